@@ -1,0 +1,44 @@
+//! Chains from URDF texts, also from those that other tools wrote loosely.
+//!
+//! Read are the links, the joints and what moves them; meshes, inertia, transmissions and
+//! elements of other vocabularies are passed over. The whole file must be one tree, but
+//! the numbers of a joint matter only where it lies between base and tip.
+
+mod joint;
+mod text;
+mod tree;
+mod xml;
+
+use nalgebra::IsometryMatrix3;
+
+use super::Chain;
+use crate::error::{Error, Result};
+
+/// The chain from `base_link` to `tip_link`; see [`Chain::from_urdf`].
+pub(super) fn parse(
+    text: &str,
+    base_link: Option<&str>,
+    tip_link: Option<&str>,
+) -> Result<Chain> {
+    let root = xml::read(text)?;
+    let tree = tree::Tree::new(&root)?;
+    let joints = tree
+        .path(base_link, tip_link)?
+        .into_iter()
+        .map(|declared| joint::build(&tree, declared))
+        .collect::<Result<Vec<_>>>()?;
+    if joints.iter().all(|j| j.kind == super::JointKind::Fixed) {
+        let names = text::listing(joints.iter().map(|j| j.name.as_str()));
+        return Err(fault(format!("no movable joint between base and tip, only {names}")));
+    }
+    let identity = IsometryMatrix3::identity();
+    Chain::new(tree.name, joints, identity, identity, None).map_err(|error| match error {
+        Error::Argument { .. } => fault(error.to_string()),
+        other => other,
+    })
+}
+
+/// An [`Error::Urdf`].
+fn fault(message: impl Into<String>) -> Error {
+    Error::Urdf(message.into())
+}

@@ -1,0 +1,123 @@
+//! The pass from base to tool: one sine and cosine per joint, nothing allocated.
+
+use crate::chain::{Compiled, Twist};
+use crate::lanes::{Real, V3, axpy, splat3};
+
+/// Where a joint stands: a point on its axis and the axis, both in the world.
+#[derive(Debug, Clone, Copy)]
+pub struct Axis<R> {
+    /// A point on the axis, m.
+    pub origin: V3<R>,
+    /// Unit vector along the axis.
+    pub direction: V3<R>,
+}
+
+/// Buffers of one evaluation, sized once for a chain and used again and again.
+#[derive(Debug, Clone)]
+pub struct Workspace<R> {
+    /// One entry per moving joint, filled by [`forward`].
+    pub axes: Vec<Axis<R>>,
+    x: V3<R>,
+    y: V3<R>,
+    z: V3<R>,
+    position: V3<R>,
+}
+
+impl<R: Real> Workspace<R> {
+    /// Buffers for a chain.
+    pub fn new(chain: &Compiled) -> Self {
+        let zero = [R::zero(); 3];
+        let axis = Axis { origin: zero, direction: zero };
+        Self { axes: vec![axis; chain.links.len()], x: zero, y: zero, z: zero, position: zero }
+    }
+
+    /// A point given in the frame of the last moved joint, in the world.
+    #[inline(always)]
+    pub fn tool_point(&self, t: [f64; 3]) -> V3<R> {
+        let p = axpy(self.x, R::splat(t[0]), self.position);
+        let p = axpy(self.y, R::splat(t[1]), p);
+        axpy(self.z, R::splat(t[2]), p)
+    }
+
+    /// A direction given in the frame of the last moved joint, in the world.
+    #[inline(always)]
+    pub fn tool_direction(&self, t: [f64; 3]) -> V3<R> {
+        let v = self.z.map(|z| z * R::splat(t[2]));
+        axpy(self.x, R::splat(t[0]), axpy(self.y, R::splat(t[1]), v))
+    }
+
+    /// Axes (columns) of the last moved joint's frame, in the world.
+    #[inline(always)]
+    pub fn joint_axes(&self) -> [V3<R>; 3] {
+        [self.x, self.y, self.z]
+    }
+
+    /// Axes (columns) of a tool frame given by its columns in the last joint's frame.
+    #[inline(always)]
+    pub fn tool_axes(&self, columns: &[[f64; 3]; 3]) -> [V3<R>; 3] {
+        columns.map(|c| self.tool_direction(c))
+    }
+}
+
+/// Forward kinematics at `q` (one value per entry of `q`, rad or m, per lane): fills the
+/// workspace with the axes of all moving joints and the frame of the last one.
+#[inline(always)]
+pub fn forward<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
+    let [mut x, mut y, mut z] = chain.start_rotation.map(splat3::<R>);
+    let mut p = splat3::<R>(chain.start_position);
+    for (link, axis) in chain.links.iter().zip(&mut workspace.axes) {
+        *axis = Axis { origin: p, direction: z };
+        let value = if chain.simple {
+            q[link.variable]
+        } else {
+            q[link.variable] * R::splat(link.multiplier)
+        };
+        let (s, c, along) = if link.prismatic {
+            let (s, c) = link.theta_sin_cos;
+            (R::splat(s), R::splat(c), value + R::splat(link.d))
+        } else {
+            let (s, c) = (value + R::splat(link.theta)).sin_cos();
+            (s, c, R::splat(link.d))
+        };
+        let turned = [0, 1, 2].map(|k| x[k].mul_add(c, y[k] * s));
+        y = [0, 1, 2].map(|k| y[k].mul_add(c, -(x[k] * s)));
+        x = turned;
+        if link.prismatic || link.d != 0.0 {
+            p = axpy(z, along, p);
+        }
+        if link.a != 0.0 {
+            p = axpy(x, R::splat(link.a), p);
+        }
+        match link.twist {
+            Twist::Zero => {}
+            Twist::Half => {
+                y = y.map(|v| -v);
+                z = z.map(|v| -v);
+            }
+            Twist::Quarter => {
+                let old_y = y;
+                y = z;
+                z = old_y.map(|v| -v);
+            }
+            Twist::Angle(sine, cosine) => {
+                let (s, c) = (R::splat(sine), R::splat(cosine));
+                let old_y = y;
+                y = [0, 1, 2].map(|k| y[k].mul_add(c, z[k] * s));
+                z = [0, 1, 2].map(|k| z[k].mul_add(c, -(old_y[k] * s)));
+            }
+            Twist::Full(columns) => {
+                p = axpy(y, R::splat(link.b), p);
+                let turn = |t: [f64; 3]| {
+                    let t = splat3::<R>(t);
+                    axpy(x, t[0], axpy(y, t[1], z.map(|v| v * t[2])))
+                };
+                let turned = columns.map(turn);
+                [x, y, z] = turned;
+            }
+        }
+    }
+    workspace.x = x;
+    workspace.y = y;
+    workspace.z = z;
+    workspace.position = p;
+}

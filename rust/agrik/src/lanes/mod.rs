@@ -1,0 +1,121 @@
+//! The number type of every hot loop: one trait, from a plain `f64` to SIMD vectors.
+//!
+//! Kinematics, task errors, normal matrices, factorisations and limit handling are
+//! written once against [`Real`]. With `f64` a loop solves one target; with a vector
+//! type it solves one target per lane. Operations never mix lanes, so a lane's result
+//! does not depend on its neighbours.
+
+mod array;
+mod dispatch;
+mod scalar;
+mod trig;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+pub use array::Pack;
+pub use dispatch::{Kernel, Level, dispatch};
+pub(crate) use trig::angle_over_sine;
+
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// A number, or a vector of numbers processed in step ("lanes").
+pub trait Real:
+    Copy
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+{
+    /// How many independent numbers one value holds.
+    const WIDTH: usize;
+    /// One truth value per lane.
+    type Mask: Copy;
+
+    /// The same number in every lane.
+    fn splat(value: f64) -> Self;
+    /// The number in lane `index` (below [`Real::WIDTH`]).
+    fn lane(self, index: usize) -> f64;
+    /// Replaces the number in lane `index` (below [`Real::WIDTH`]).
+    fn set_lane(&mut self, index: usize, value: f64);
+
+    /// `self * a + b`, fused where the hardware level has it.
+    fn mul_add(self, a: Self, b: Self) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// The smaller number; `other` where `self` is not a number.
+    fn min(self, other: Self) -> Self;
+    /// The larger number; `other` where `self` is not a number.
+    fn max(self, other: Self) -> Self;
+    /// Nearest integer.
+    fn round(self) -> Self;
+
+    /// `self < other`, false where either is not a number.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// `self <= other`, false where either is not a number.
+    fn le(self, other: Self) -> Self::Mask;
+    /// `a` where the mask holds, else `b`.
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
+    /// Both masks hold.
+    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// At least one of the masks holds.
+    fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// One bit per lane, lane 0 lowest.
+    fn bits(mask: Self::Mask) -> u32;
+    /// The mask whose lane `i` holds where bit `i` is set.
+    fn mask_from_bits(bits: u32) -> Self::Mask;
+
+    /// Sine and cosine, at most 2 units in the last place off for |x| <= 1e4.
+    fn sin_cos(self) -> (Self, Self);
+
+    /// The number zero in every lane.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::splat(0.0)
+    }
+}
+
+/// Three lanes-wide components.
+pub type V3<R> = [R; 3];
+
+/// `a . b`
+#[inline(always)]
+pub fn dot<R: Real>(a: V3<R>, b: V3<R>) -> R {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+}
+
+/// `a x b`
+#[inline(always)]
+pub fn cross<R: Real>(a: V3<R>, b: V3<R>) -> V3<R> {
+    [
+        a[1].mul_add(b[2], -(a[2] * b[1])),
+        a[2].mul_add(b[0], -(a[0] * b[2])),
+        a[0].mul_add(b[1], -(a[1] * b[0])),
+    ]
+}
+
+/// `a * s + b`
+#[inline(always)]
+pub fn axpy<R: Real>(a: V3<R>, s: R, b: V3<R>) -> V3<R> {
+    [a[0].mul_add(s, b[0]), a[1].mul_add(s, b[1]), a[2].mul_add(s, b[2])]
+}
+
+/// `a - b`
+#[inline(always)]
+pub fn sub<R: Real>(a: V3<R>, b: V3<R>) -> V3<R> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// The same three numbers in every lane.
+#[inline(always)]
+pub fn splat3<R: Real>(v: [f64; 3]) -> V3<R> {
+    [R::splat(v[0]), R::splat(v[1]), R::splat(v[2])]
+}

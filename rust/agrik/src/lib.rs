@@ -1,0 +1,18 @@
+//! `agrik`: fast, verified inverse kinematics for serial robot arms.
+//!
+//! Targets go through a [`chain::Chain`] (geometry, limits, tool), a [`task::Task`] (what
+//! counts as reached) and a solver of [`solve`] (how to get there) to one record per
+//! target, [`solve::Answers`]. [`batch`] spreads a batch over threads. Nothing here knows
+//! of Python. Lengths are in metres, angles in radians.
+
+pub mod batch;
+pub mod chain;
+pub mod error;
+pub mod kinematics;
+pub mod lanes;
+pub mod solve;
+pub mod task;
+
+
+
+pub use error::{Error, Result};

@@ -1,0 +1,445 @@
+//! The one loop of all step solvers: evaluate, test, step, hold the limits, start again.
+//!
+//! Each lane works on a target of its own; a lane whose target is solved or given up is
+//! given the next one at once. With a one-lane number type this is an ordinary loop over
+//! targets.
+
+use super::plan::{AnswersMut, Outcome, Plan, Status};
+use super::step::{Step, dot, squared_norm};
+use crate::chain::{JointKind, Variable};
+use crate::kinematics::{Workspace, columns, forward};
+use crate::lanes::Real;
+use crate::task::{AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task, TaskError};
+
+/// Share of the tolerance that the loop itself allows, so that rounding in a later check
+/// cannot turn a reached target into a missed one.
+const INSIDE: f64 = 1.0 - 1e-6;
+/// Loop passes between two questions whether to go on.
+const PASSES_PER_POLL: u32 = 512;
+
+/// Solves the rows of every run that `next` hands out, until it hands out none or
+/// `keep_going` says no; false in the latter case.
+#[inline(always)]
+pub fn run<'a, R: Real>(
+    plan: &Plan<'_>,
+    next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
+    keep_going: &mut dyn FnMut() -> bool,
+) -> bool {
+    let scale = plan.rotation_scale;
+    match plan.task {
+        Task::Position => Engine::<R, _, 3>::new(plan, PositionRows).run(next, keep_going),
+        Task::Pose => Engine::<R, _, 6>::new(plan, PoseRows { scale }).run(next, keep_going),
+        Task::Axis { tool_axis } => {
+            let mut axis = [0.0; 3];
+            for (column, a) in plan.tail.rotation.iter().zip(tool_axis) {
+                for (x, c) in axis.iter_mut().zip(column) {
+                    *x += c * a;
+                }
+            }
+            Engine::<R, _, 5>::new(plan, AxisRows { scale, axis }).run(next, keep_going)
+        }
+        Task::Masked { weights, frame } => {
+            let rows = MaskedRows { scale, weights, frame, tool: plan.tail.rotation };
+            Engine::<R, _, 6>::new(plan, rows).run(next, keep_going)
+        }
+    }
+}
+
+/// What a lane is busy with.
+#[derive(Debug, Clone, Default)]
+struct Job {
+    /// Slot of its run and row inside it; `None` for an idle lane.
+    place: Option<(usize, usize)>,
+    /// Row in the whole call.
+    row: usize,
+    attempt: u32,
+    /// Steps of this attempt, and of all before it.
+    steps: u32,
+    steps_before: u32,
+    /// Proven out of reach: one attempt, for the nearest posture.
+    unreachable: bool,
+    /// The best end of an attempt so far.
+    best: Option<Best>,
+    best_q: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Best {
+    squared: f64,
+    position_error: f64,
+    orientation_error: f64,
+}
+
+/// A run of rows with the number of its unfinished rows.
+struct Open<'a> {
+    run: AnswersMut<'a>,
+    /// Next row to hand to a lane.
+    next: usize,
+    unfinished: usize,
+}
+
+struct Engine<'p, R: Real, T, const M: usize> {
+    plan: &'p Plan<'p>,
+    rows: T,
+    variables: &'p [Variable],
+    has_continuous: bool,
+    jobs: Vec<Job>,
+    q: Vec<R>,
+    /// Where continuous joints' values are kept near.
+    reference: Vec<R>,
+    change: Vec<R>,
+    columns: Vec<[R; M]>,
+    workspace: Workspace<R>,
+    goal: Goal<R>,
+}
+
+impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
+    #[inline(always)]
+    fn new(plan: &'p Plan<'p>, rows: T) -> Self {
+        let variables = plan.chain.variables();
+        let dof = variables.len();
+        let job = Job { best_q: vec![0.0; dof], ..Job::default() };
+        Self {
+            plan,
+            rows,
+            variables,
+            has_continuous: variables.iter().any(|v| v.kind == JointKind::Continuous),
+            jobs: vec![job; R::WIDTH],
+            q: vec![R::zero(); dof],
+            reference: vec![R::zero(); dof],
+            change: vec![R::zero(); dof],
+            columns: vec![[R::zero(); M]; dof],
+            workspace: Workspace::new(plan.chain.compiled()),
+            goal: Goal::zero(),
+        }
+    }
+
+    #[inline(always)]
+    fn run<'a>(
+        mut self,
+        next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
+        keep_going: &mut dyn FnMut() -> bool,
+    ) -> bool {
+        let tolerance = self.plan.tolerance;
+        let square = |x: f64| R::splat((x * INSIDE) * (x * INSIDE));
+        let position2 = square(tolerance.position);
+        let orientation2 = square(tolerance.orientation);
+        let all = ((1u64 << R::WIDTH) - 1) as u32;
+
+        let mut open: Vec<Option<Open<'a>>> = Vec::new();
+        let mut busy = 0u32;
+        for lane in 0..R::WIDTH {
+            busy |= u32::from(self.refill(lane, &mut open, next)) << lane;
+        }
+        let mut stalled = 0u32;
+        let mut passes = 0u32;
+        while busy != 0 {
+            passes += 1;
+            if passes == PASSES_PER_POLL {
+                passes = 0;
+                if !keep_going() {
+                    return false;
+                }
+            }
+            let error = self.evaluate();
+            let reached = R::bits(R::and(
+                error.position2.le(position2),
+                error.orientation2.le(orientation2),
+            )) & busy;
+            let mut ended = (reached | stalled) & busy;
+            for (lane, job) in self.jobs.iter().enumerate() {
+                let capped = job.steps >= self.plan.settings.max_iterations;
+                ended |= (u32::from(capped) << lane) & busy;
+            }
+            if ended != 0 {
+                let mut left = ended;
+                while left != 0 {
+                    let lane = left.trailing_zeros() as usize;
+                    left &= left - 1;
+                    let solved = reached >> lane & 1 != 0;
+                    if !self.end_attempt(lane, solved, &error, &mut open)
+                        && !self.refill(lane, &mut open, next)
+                    {
+                        busy &= !(1 << lane);
+                    }
+                }
+                // Lanes that start anew are evaluated on the next pass.
+                if ended | !busy & all == all {
+                    stalled = 0;
+                    continue;
+                }
+            }
+            stalled = self.step(&error, busy & !ended);
+        }
+        true
+    }
+
+    #[inline(always)]
+    fn evaluate(&mut self) -> TaskError<R, M> {
+        let compiled = self.plan.chain.compiled();
+        forward(compiled, &self.q, &mut self.workspace);
+        let tool = self.workspace.tool_point(self.plan.tail.translation);
+        self.rows.error(&self.workspace, tool, &self.goal)
+    }
+
+    /// One step of the lanes in `moving`; returns those that did not move.
+    #[inline(always)]
+    fn step(&mut self, error: &TaskError<R, M>, moving: u32) -> u32 {
+        let compiled = self.plan.chain.compiled();
+        let tool = self.workspace.tool_point(self.plan.tail.translation);
+        if !compiled.simple {
+            self.columns.fill([R::zero(); M]);
+        }
+        let (rows, workspace, goal) = (&self.rows, &self.workspace, &self.goal);
+        let store = &mut self.columns;
+        columns(compiled, workspace, tool, |variable, linear, angular| {
+            let column = rows.column(workspace, goal, linear, angular);
+            if compiled.simple {
+                store[variable] = column;
+            } else {
+                for (sum, x) in store[variable].iter_mut().zip(column) {
+                    *sum += x;
+                }
+            }
+        });
+        // Active set: a joint at a limit whose downhill direction leads outward is held
+        // for this step, and the others take over its share.
+        for ((v, q), column) in self.variables.iter().zip(&self.q).zip(&mut self.columns) {
+            if v.kind == JointKind::Continuous {
+                continue;
+            }
+            let downhill = dot(column, &error.rows);
+            let low = R::and(q.le(R::splat(v.lower)), downhill.lt(R::zero()));
+            let high = R::and(R::splat(v.upper).le(*q), R::zero().lt(downhill));
+            let held = R::or(low, high);
+            for x in column.iter_mut() {
+                *x = R::select(held, R::zero(), *x);
+            }
+        }
+        self.plan.settings.step.compute(&self.columns, &error.rows, &mut self.change);
+        self.apply(moving)
+    }
+
+    /// Adds the change, no longer than the longest step, projected on the limits.
+    #[inline(always)]
+    fn apply(&mut self, moving: u32) -> u32 {
+        let mut longest = R::splat(1e-300);
+        for dq in &self.change {
+            longest = longest.max(dq.abs());
+        }
+        let scale = (R::splat(self.plan.settings.max_step) / longest).min(R::splat(1.0));
+        let scale = R::select(R::mask_from_bits(moving), scale, R::zero());
+        let mut moved = R::zero();
+        for ((v, q), dq) in self.variables.iter().zip(&mut self.q).zip(&self.change) {
+            let to = dq.mul_add(scale, *q).max(R::splat(v.lower)).min(R::splat(v.upper));
+            moved = moved.max((to - *q).abs());
+            *q = to;
+        }
+        if self.has_continuous {
+            self.wind_back();
+        }
+        for (lane, job) in self.jobs.iter_mut().enumerate() {
+            job.steps += moving >> lane & 1;
+        }
+        // Written so that a step that is not a number counts as none.
+        moving & !R::bits(R::splat(1e-14).lt(moved))
+    }
+
+    /// Takes whole turns off continuous joints, to within half a turn of their reference.
+    #[inline(always)]
+    fn wind_back(&mut self) {
+        use std::f64::consts::TAU;
+        for ((v, q), reference) in self.variables.iter().zip(&mut self.q).zip(&self.reference) {
+            if v.kind == JointKind::Continuous {
+                let turns = ((*q - *reference) * R::splat(1.0 / TAU)).round();
+                *q = turns.mul_add(R::splat(-TAU), *q);
+            }
+        }
+    }
+
+    /// Ends a lane's attempt; true where the target gets another one.
+    fn end_attempt(
+        &mut self,
+        lane: usize,
+        solved: bool,
+        error: &TaskError<R, M>,
+        open: &mut [Option<Open<'_>>],
+    ) -> bool {
+        let settings = &self.plan.settings;
+        let job = &mut self.jobs[lane];
+        let squared = squared_norm(&error.rows).lane(lane);
+        if solved || job.best.is_none_or(|best| squared < best.squared) {
+            let position_error = error.position2.lane(lane).sqrt();
+            let orientation_error = error.orientation2.lane(lane).sqrt();
+            // An attempt that ran into numbers without meaning is no answer.
+            if position_error.is_finite() && orientation_error.is_finite() {
+                job.best = Some(Best { squared, position_error, orientation_error });
+                for (to, from) in job.best_q.iter_mut().zip(&self.q) {
+                    *to = from.lane(lane);
+                }
+            }
+        }
+        if !solved && !job.unreachable && job.attempt < settings.max_restarts {
+            job.attempt += 1;
+            job.steps_before += job.steps;
+            job.steps = 0;
+            let (row, attempt) = (job.row, job.attempt);
+            self.start(lane, row, attempt);
+            return true;
+        }
+        let best = job.best.unwrap_or(Best {
+            squared: f64::INFINITY,
+            position_error: f64::INFINITY,
+            orientation_error: f64::INFINITY,
+        });
+        let status = if solved {
+            Status::Converged
+        } else if job.unreachable {
+            Status::OutOfReach
+        } else {
+            Status::NotFound
+        };
+        let outcome = Outcome {
+            status,
+            position_error: best.position_error,
+            orientation_error: best.orientation_error,
+            iterations: job.steps_before + job.steps,
+            restarts: job.attempt,
+        };
+        if let Some((slot, i)) = job.place.take() {
+            finish(open, slot, i, outcome).copy_from(&job.best_q);
+            close_if_done(open, slot);
+        }
+        false
+    }
+
+    /// Gives a lane the next target that needs solving; false where none is left.
+    fn refill<'a>(
+        &mut self,
+        lane: usize,
+        open: &mut Vec<Option<Open<'a>>>,
+        next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
+    ) -> bool {
+        loop {
+            let Some((slot, i, row)) = next_row(open, next) else { return false };
+            let Some(goal) = self.plan.goal(row) else {
+                // A posture inside the limits stands in for the answer.
+                let mut q = vec![0.0; self.variables.len()];
+                for (x, v) in q.iter_mut().zip(self.variables) {
+                    *x = 0.0f64.clamp(v.lower, v.upper);
+                }
+                let outcome = Outcome {
+                    status: Status::BadInput,
+                    position_error: f64::INFINITY,
+                    orientation_error: f64::INFINITY,
+                    iterations: 0,
+                    restarts: 0,
+                };
+                finish(open, slot, i, outcome).copy_from(&q);
+                close_if_done(open, slot);
+                continue;
+            };
+            self.goal.set_lane(lane, &goal);
+            let job = &mut self.jobs[lane];
+            job.place = Some((slot, i));
+            job.row = row;
+            job.attempt = 0;
+            job.steps = 0;
+            job.steps_before = 0;
+            job.unreachable = self.plan.proven_unreachable(&goal);
+            job.best = None;
+            job.best_q.iter_mut().zip(self.variables).for_each(|(x, v)| {
+                *x = 0.0f64.clamp(v.lower, v.upper);
+            });
+            self.start(lane, row, 0);
+            return true;
+        }
+    }
+
+    /// Puts a lane at the start of an attempt.
+    fn start(&mut self, lane: usize, row: usize, attempt: u32) {
+        let dof = self.variables.len();
+        let given = self.plan.starts.row(row, dof);
+        let mut fixed = [0.0; 16];
+        let mut long = Vec::new();
+        let q = if dof <= fixed.len() {
+            &mut fixed[..dof]
+        } else {
+            long.resize(dof, 0.0);
+            &mut long[..]
+        };
+        match given {
+            Some(start) if attempt == 0 => q.copy_from_slice(start),
+            _ => self.plan.sampler.sample(row, attempt, q),
+        }
+        for (i, v) in self.variables.iter().enumerate() {
+            self.q[i].set_lane(lane, q[i].clamp(v.lower, v.upper));
+            self.reference[i].set_lane(lane, given.map_or(0.0, |start| start[i]));
+        }
+    }
+}
+
+/// The next row of the open runs, opening another run where they are used up.
+fn next_row<'a>(
+    open: &mut Vec<Option<Open<'a>>>,
+    next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
+) -> Option<(usize, usize, usize)> {
+    loop {
+        for (slot, entry) in open.iter_mut().enumerate() {
+            if let Some(o) = entry
+                && o.next < o.run.len()
+            {
+                let i = o.next;
+                o.next += 1;
+                return Some((slot, i, o.run.first + i));
+            }
+        }
+        let run = next()?;
+        let fresh = Open { next: 0, unfinished: run.len(), run };
+        match open.iter_mut().find(|entry| entry.is_none()) {
+            Some(entry) => *entry = Some(fresh),
+            None => open.push(Some(fresh)),
+        }
+    }
+}
+
+/// Joint values of a finished row, to be filled in.
+struct Filled<'b>(Option<&'b mut [f64]>);
+
+impl Filled<'_> {
+    fn copy_from(self, q: &[f64]) {
+        if let Some(to) = self.0 {
+            to.copy_from_slice(q);
+        }
+    }
+}
+
+fn finish<'b>(
+    open: &'b mut [Option<Open<'_>>],
+    slot: usize,
+    i: usize,
+    outcome: Outcome,
+) -> Filled<'b> {
+    Filled(open[slot].as_mut().map(|o| {
+        o.unfinished -= 1;
+        o.run.finish(i, outcome)
+    }))
+}
+
+fn close_if_done(open: &mut [Option<Open<'_>>], slot: usize) {
+    if open[slot].as_ref().is_some_and(|o| o.unfinished == 0) {
+        open[slot] = None;
+    }
+}
+
+impl Step {
+    /// The name by which users choose the step.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Transpose => "transpose",
+            Self::PseudoInverse { .. } => "pinv",
+            Self::Damped { .. } => "dls",
+            Self::LevenbergMarquardt { .. } => "lm",
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Small symmetric systems, unrolled over the number of task rows.
+
+use crate::lanes::Real;
+
+/// Solves `A x = b` for a positive definite `A` (lower triangle) by LDL^T.
+///
+/// Pivots are kept above `floor`, so that an `A` that is singular up to rounding gives a
+/// long, finite `x`.
+#[inline(always)]
+pub(super) fn solve_spd<R: Real, const M: usize>(
+    mut a: [[R; M]; M],
+    mut b: [R; M],
+    floor: R,
+) -> [R; M] {
+    let mut inverse = [R::zero(); M];
+    for j in 0..M {
+        inverse[j] = R::splat(1.0) / a[j][j].max(floor);
+        for i in j + 1..M {
+            let l = a[i][j] * inverse[j];
+            for k in j + 1..=i {
+                a[i][k] = (-l).mul_add(a[k][j], a[i][k]);
+            }
+        }
+        // Column j now holds L D; scaling it waits until no pivot needs it any more.
+        for i in j + 1..M {
+            a[i][j] *= inverse[j];
+        }
+    }
+    for j in 0..M {
+        for i in j + 1..M {
+            b[i] = (-a[i][j]).mul_add(b[j], b[i]);
+        }
+    }
+    for j in 0..M {
+        b[j] *= inverse[j];
+    }
+    for j in (0..M).rev() {
+        for i in 0..j {
+            b[i] = (-a[j][i]).mul_add(b[j], b[i]);
+        }
+    }
+    b
+}
+
+/// Eigenvalues and eigenvectors (columns) of a symmetric matrix, by cyclic Jacobi
+/// rotations; a fixed number of sweeps, enough for full precision up to 6 rows.
+#[inline(always)]
+pub(super) fn eigen<R: Real, const M: usize>(mut a: [[R; M]; M]) -> ([R; M], [[R; M]; M]) {
+    const SWEEPS: usize = 7;
+    let mut v = [[R::zero(); M]; M];
+    for (i, row) in v.iter_mut().enumerate() {
+        row[i] = R::splat(1.0);
+    }
+    for _ in 0..SWEEPS {
+        for p in 0..M {
+            for q in p + 1..M {
+                rotate(&mut a, &mut v, p, q);
+            }
+        }
+    }
+    let mut values = [R::zero(); M];
+    for (i, value) in values.iter_mut().enumerate() {
+        *value = a[i][i];
+    }
+    (values, v)
+}
+
+/// One Jacobi rotation that makes `a[p][q]` vanish (full symmetric storage).
+#[inline(always)]
+fn rotate<R: Real, const M: usize>(a: &mut [[R; M]; M], v: &mut [[R; M]; M], p: usize, q: usize) {
+    let tiny = R::splat(1e-300);
+    let apq = a[p][q];
+    let vanishing = apq.abs().le(tiny);
+    let theta = (a[q][q] - a[p][p]) / (R::select(vanishing, R::splat(1.0), apq) * R::splat(2.0));
+    let t = R::splat(1.0) / (theta.abs() + theta.mul_add(theta, R::splat(1.0)).sqrt());
+    let t = R::select(theta.lt(R::zero()), -t, t);
+    let t = R::select(vanishing, R::zero(), t);
+    let c = R::splat(1.0) / t.mul_add(t, R::splat(1.0)).sqrt();
+    let s = t * c;
+    for k in 0..M {
+        let (akp, akq) = (a[k][p], a[k][q]);
+        a[k][p] = c.mul_add(akp, -(s * akq));
+        a[k][q] = s.mul_add(akp, c * akq);
+    }
+    for k in 0..M {
+        let (apk, aqk) = (a[p][k], a[q][k]);
+        a[p][k] = c.mul_add(apk, -(s * aqk));
+        a[q][k] = s.mul_add(apk, c * aqk);
+    }
+    for row in v.iter_mut() {
+        let (vp, vq) = (row[p], row[q]);
+        row[p] = c.mul_add(vp, -(s * vq));
+        row[q] = s.mul_add(vp, c * vq);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> [[f64; 3]; 3] {
+        [[4.0, 1.0, -0.5], [1.0, 3.0, 0.25], [-0.5, 0.25, 2.0]]
+    }
+
+    #[test]
+    fn ldlt_solves() {
+        let a = sample();
+        let x = solve_spd(a, [1.0, -2.0, 0.5], 1e-300);
+        for (row, b) in a.iter().zip([1.0, -2.0, 0.5]) {
+            let got: f64 = row.iter().zip(x).map(|(a, x)| a * x).sum();
+            assert!((got - b).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn jacobi_rebuilds_the_matrix() {
+        let a = sample();
+        let (values, v) = eigen(a);
+        for i in 0..3 {
+            for j in 0..3 {
+                let got: f64 = (0..3).map(|k| v[i][k] * values[k] * v[j][k]).sum();
+                assert!((got - a[i][j]).abs() < 1e-13);
+            }
+        }
+    }
+}
