@@ -7,7 +7,7 @@
 use crate::chain::{Compiled, Tail};
 use crate::error::{Error, Result};
 use crate::kinematics::Workspace;
-use crate::lanes::{Real, V3, angle_over_sine, axpy, cross, dot, sub};
+use crate::lanes::{Real, V3, angle_over_sine, axpy, cross, dot, scale, select3, sub};
 
 /// What a solver has to bring about.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -227,7 +227,10 @@ impl MaskedRows {
     fn in_frame<R: Real>(&self, at: &Workspace<R>, v: V3<R>) -> V3<R> {
         match self.frame {
             MaskFrame::Base => v,
-            MaskFrame::Tool => at.tool_axes(&self.tool).map(|axis| dot(axis, v)),
+            MaskFrame::Tool => {
+                let axes = at.tool_axes(&self.tool);
+                [dot(axes[0], v), dot(axes[1], v), dot(axes[2], v)]
+            }
         }
     }
     #[inline(always)]
@@ -250,15 +253,6 @@ impl<R: Real> Rows<R, 6> for MaskedRows {
     fn error(&self, at: &Workspace<R>, tool: V3<R>, goal: &Goal<R>) -> TaskError<R, 6> {
         let p = self.in_frame(at, sub(goal.position, tool));
         let o = self.in_frame(at, rotation_between(at.joint_axes(), goal.axes));
-        let counted = |v: V3<R>, weights: &[f64]| {
-            let mut sum = R::zero();
-            for (x, w) in v.iter().zip(weights) {
-                if *w > 0.0 {
-                    sum = x.mul_add(*x, sum);
-                }
-            }
-            sum
-        };
         TaskError {
             rows: self.weighted(p, o),
             position2: counted(p, &self.weights[..3]),
@@ -269,6 +263,18 @@ impl<R: Real> Rows<R, 6> for MaskedRows {
     fn column(&self, at: &Workspace<R>, _: &Goal<R>, l: V3<R>, a: V3<R>) -> [R; 6] {
         self.weighted(self.in_frame(at, l), self.in_frame(at, a))
     }
+}
+
+/// Squared length over the rows whose weight is not zero.
+#[inline(always)]
+fn counted<R: Real>(v: V3<R>, weights: &[f64]) -> R {
+    let mut sum = R::zero();
+    for (x, w) in v.iter().zip(weights) {
+        if *w > 0.0 {
+            sum = x.mul_add(*x, sum);
+        }
+    }
+    sum
 }
 
 /// The factor from a rotation's sine (squared) and cosine to its angle over its sine, and
@@ -299,15 +305,15 @@ pub fn rotation_between<R: Real>(from: [V3<R>; 3], to: [V3<R>; 3]) -> V3<R> {
         twice = [twice[0] + c[0], twice[1] + c[1], twice[2] + c[2]];
         trace += dot(from[k], to[k]);
     }
-    let sine = twice.map(|x| x * half);
+    let sine = scale(twice, half);
     let cosine = (trace - R::splat(1.0)) * half;
     let (factor, opposite) = angle_factor(dot(sine, sine), cosine);
-    let vector = sine.map(|x| x * factor);
+    let vector = scale(sine, factor);
     if R::bits(opposite) == 0 {
         return vector;
     }
-    let turned = half_turn_axis(from, to).map(|x| x * R::splat(std::f64::consts::PI));
-    [0, 1, 2].map(|k| R::select(opposite, turned[k], vector[k]))
+    let turned = scale(half_turn_axis(from, to), R::splat(std::f64::consts::PI));
+    select3::<R>(opposite, turned, vector)
 }
 
 /// Axis of a rotation by half a turn: the longest column of R + 1, made unit length.
@@ -326,10 +332,9 @@ fn half_turn_axis<R: Real>(from: [V3<R>; 3], to: [V3<R>; 3]) -> V3<R> {
         let length2 = dot(column, column);
         let better = best2.lt(length2);
         best2 = R::select(better, length2, best2);
-        best = [0, 1, 2].map(|i| R::select(better, column[i], best[i]));
+        best = select3::<R>(better, column, best);
     }
-    let scale = R::splat(1.0) / best2.sqrt();
-    best.map(|x| x * scale)
+    scale(best, R::splat(1.0) / best2.sqrt())
 }
 
 /// The goal of a pose target: `axes` are those that the last joint's frame must take.

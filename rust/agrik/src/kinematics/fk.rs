@@ -1,7 +1,7 @@
 //! The pass from base to tool: one sine and cosine per joint, nothing allocated.
 
 use crate::chain::{Compiled, Twist};
-use crate::lanes::{Real, V3, axpy, splat3};
+use crate::lanes::{Real, V3, axpy, blend, negate, scale, splat3};
 
 /// Where a joint stands: a point on its axis and the axis, both in the world.
 #[derive(Debug, Clone, Copy)]
@@ -42,8 +42,7 @@ impl<R: Real> Workspace<R> {
     /// A direction given in the frame of the last moved joint, in the world.
     #[inline(always)]
     pub fn tool_direction(&self, t: [f64; 3]) -> V3<R> {
-        let v = self.z.map(|z| z * R::splat(t[2]));
-        axpy(self.x, R::splat(t[0]), axpy(self.y, R::splat(t[1]), v))
+        turn(self.joint_axes(), t)
     }
 
     /// Axes (columns) of the last moved joint's frame, in the world.
@@ -55,15 +54,28 @@ impl<R: Real> Workspace<R> {
     /// Axes (columns) of a tool frame given by its columns in the last joint's frame.
     #[inline(always)]
     pub fn tool_axes(&self, columns: &[[f64; 3]; 3]) -> [V3<R>; 3] {
-        columns.map(|c| self.tool_direction(c))
+        [
+            self.tool_direction(columns[0]),
+            self.tool_direction(columns[1]),
+            self.tool_direction(columns[2]),
+        ]
     }
+}
+
+/// A vector given by its components along three axes.
+#[inline(always)]
+fn turn<R: Real>(axes: [V3<R>; 3], t: [f64; 3]) -> V3<R> {
+    let v = scale(axes[2], R::splat(t[2]));
+    axpy(axes[0], R::splat(t[0]), axpy(axes[1], R::splat(t[1]), v))
 }
 
 /// Forward kinematics at `q` (one value per entry of `q`, rad or m, per lane): fills the
 /// workspace with the axes of all moving joints and the frame of the last one.
 #[inline(always)]
 pub fn forward<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
-    let [mut x, mut y, mut z] = chain.start_rotation.map(splat3::<R>);
+    let start = &chain.start_rotation;
+    let (mut x, mut y, mut z) =
+        (splat3::<R>(start[0]), splat3::<R>(start[1]), splat3::<R>(start[2]));
     let mut p = splat3::<R>(chain.start_position);
     for (link, axis) in chain.links.iter().zip(&mut workspace.axes) {
         *axis = Axis { origin: p, direction: z };
@@ -79,9 +91,7 @@ pub fn forward<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>)
             let (s, c) = (value + R::splat(link.theta)).sin_cos();
             (s, c, R::splat(link.d))
         };
-        let turned = [0, 1, 2].map(|k| x[k].mul_add(c, y[k] * s));
-        y = [0, 1, 2].map(|k| y[k].mul_add(c, -(x[k] * s)));
-        x = turned;
+        (x, y) = (blend(x, c, y, s), blend(y, c, x, -s));
         if link.prismatic || link.d != 0.0 {
             p = axpy(z, along, p);
         }
@@ -91,28 +101,20 @@ pub fn forward<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>)
         match link.twist {
             Twist::Zero => {}
             Twist::Half => {
-                y = y.map(|v| -v);
-                z = z.map(|v| -v);
+                y = negate(y);
+                z = negate(z);
             }
-            Twist::Quarter => {
-                let old_y = y;
-                y = z;
-                z = old_y.map(|v| -v);
-            }
+            Twist::Quarter => (y, z) = (z, negate(y)),
             Twist::Angle(sine, cosine) => {
                 let (s, c) = (R::splat(sine), R::splat(cosine));
-                let old_y = y;
-                y = [0, 1, 2].map(|k| y[k].mul_add(c, z[k] * s));
-                z = [0, 1, 2].map(|k| z[k].mul_add(c, -(old_y[k] * s)));
+                (y, z) = (blend(y, c, z, s), blend(z, c, y, -s));
             }
             Twist::Full(columns) => {
                 p = axpy(y, R::splat(link.b), p);
-                let turn = |t: [f64; 3]| {
-                    let t = splat3::<R>(t);
-                    axpy(x, t[0], axpy(y, t[1], z.map(|v| v * t[2])))
-                };
-                let turned = columns.map(turn);
-                [x, y, z] = turned;
+                let axes = [x, y, z];
+                x = turn(axes, columns[0]);
+                y = turn(axes, columns[1]);
+                z = turn(axes, columns[2]);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::Workspace;
 use crate::chain::Compiled;
-use crate::lanes::{Real, V3, cross, sub};
+use crate::lanes::{Real, V3, cross, scale, sub};
 
 /// Hands each moving joint's column (variable, linear part at `point`, angular part) to
 /// `column`. Joints that share a variable hand in one column each, to be added up.
@@ -21,8 +21,8 @@ pub fn columns<R: Real>(
         };
         if !chain.simple {
             let factor = R::splat(link.multiplier);
-            linear = linear.map(|v| v * factor);
-            angular = angular.map(|v| v * factor);
+            linear = scale(linear, factor);
+            angular = scale(angular, factor);
         }
         column(link.variable, linear, angular);
     }
