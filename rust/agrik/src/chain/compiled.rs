@@ -66,6 +66,14 @@ pub struct Tail {
     pub rotation: [[f64; 3]; 3],
 }
 
+impl Tail {
+    /// A direction given in the tool frame, in the last moving joint's frame.
+    pub fn direction(&self, v: [f64; 3]) -> [f64; 3] {
+        let [x, y, z] = self.rotation;
+        [0, 1, 2].map(|k| x[k] * v[0] + y[k] * v[1] + z[k] * v[2])
+    }
+}
+
 /// A chain ready for evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compiled {

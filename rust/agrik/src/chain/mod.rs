@@ -3,14 +3,18 @@
 mod compiled;
 mod dh;
 mod joint;
+mod postures;
 mod reach;
 mod urdf;
+
+use std::sync::OnceLock;
 
 use nalgebra::{IsometryMatrix3, Matrix4};
 
 pub use compiled::{Compiled, Link, Tail, Twist};
 pub use dh::{DhConvention, DhRow};
 pub use joint::{Joint, JointKind, Mimic};
+pub use postures::Postures;
 pub use reach::Reach;
 
 use crate::error::{Error, Result};
@@ -29,7 +33,7 @@ pub struct Variable {
 }
 
 /// An ordered list of joints from base to tool, checked and compiled.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Chain {
     name: String,
     base: IsometryMatrix3<f64>,
@@ -38,6 +42,7 @@ pub struct Chain {
     variables: Vec<Variable>,
     compiled: Compiled,
     reach: Reach,
+    postures: OnceLock<Postures>,
 }
 
 impl Chain {
@@ -62,7 +67,16 @@ impl Chain {
         }
         let compiled = Compiled::new(&base, &joints, &tool, &variables)?;
         let reach = Reach::new(&compiled, &variables);
-        Ok(Self { name: name.into(), base, joints, tool, variables, compiled, reach })
+        Ok(Self {
+            name: name.into(),
+            base,
+            joints,
+            tool,
+            variables,
+            compiled,
+            reach,
+            postures: OnceLock::new(),
+        })
     }
 
     /// A chain from a URDF text; `base_link` and `tip_link` default to the only root and
@@ -123,6 +137,11 @@ impl Chain {
     /// Proven bounds of where the tool point can be.
     pub fn reach(&self) -> &Reach {
         &self.reach
+    }
+
+    /// The table of sampled postures, made by `build` when it is first asked for.
+    pub fn postures(&self, build: impl FnOnce(&Self) -> Postures) -> &Postures {
+        self.postures.get_or_init(|| build(self))
     }
 
     /// True where all of `q` lies inside the limits, end points included.

@@ -30,12 +30,7 @@ pub fn run<'a, R: Real>(
         Task::Position => Engine::<R, _, 3>::new(plan, PositionRows).run(next, keep_going),
         Task::Pose => Engine::<R, _, 6>::new(plan, PoseRows { scale }).run(next, keep_going),
         Task::Axis { tool_axis } => {
-            let mut axis = [0.0; 3];
-            for (column, a) in plan.tail.rotation.iter().zip(tool_axis) {
-                for (x, c) in axis.iter_mut().zip(column) {
-                    *x += c * a;
-                }
-            }
+            let axis = plan.tail.direction(tool_axis);
             Engine::<R, _, 5>::new(plan, AxisRows { scale, axis }).run(next, keep_going)
         }
         Task::Masked { weights, frame } => {
@@ -46,12 +41,13 @@ pub fn run<'a, R: Real>(
 }
 
 /// What a lane is busy with.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 struct Job {
     /// Slot of its run and row inside it; `None` for an idle lane.
     place: Option<(usize, usize)>,
-    /// Row in the whole call.
+    /// Row in the whole call, and its goal.
     row: usize,
+    goal: Goal<f64>,
     attempt: u32,
     /// Steps of this attempt, and of all before it.
     steps: u32,
@@ -98,7 +94,17 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
     fn new(plan: &'p Plan<'p>, rows: T) -> Self {
         let variables = plan.chain.variables();
         let dof = variables.len();
-        let job = Job { best_q: vec![0.0; dof], ..Job::default() };
+        let job = Job {
+            place: None,
+            row: 0,
+            goal: Goal::zero(),
+            attempt: 0,
+            steps: 0,
+            steps_before: 0,
+            unreachable: false,
+            best: None,
+            best_q: vec![0.0; dof],
+        };
         Self {
             plan,
             rows,
@@ -258,6 +264,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
     }
 
     /// Ends a lane's attempt; true where the target gets another one.
+    #[inline(always)]
     fn end_attempt(
         &mut self,
         lane: usize,
@@ -283,8 +290,8 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             job.attempt += 1;
             job.steps_before += job.steps;
             job.steps = 0;
-            let (row, attempt) = (job.row, job.attempt);
-            self.start(lane, row, attempt);
+            let (row, attempt, goal) = (job.row, job.attempt, job.goal);
+            self.start(lane, row, attempt, &goal);
             return true;
         }
         let best = job.best.unwrap_or(Best {
@@ -314,6 +321,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
     }
 
     /// Gives a lane the next target that needs solving; false where none is left.
+    #[inline(always)]
     fn refill<'a>(
         &mut self,
         lane: usize,
@@ -343,6 +351,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             let job = &mut self.jobs[lane];
             job.place = Some((slot, i));
             job.row = row;
+            job.goal = goal;
             job.attempt = 0;
             job.steps = 0;
             job.steps_before = 0;
@@ -351,13 +360,14 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             job.best_q.iter_mut().zip(self.variables).for_each(|(x, v)| {
                 *x = 0.0f64.clamp(v.lower, v.upper);
             });
-            self.start(lane, row, 0);
+            self.start(lane, row, 0, &goal);
             return true;
         }
     }
 
     /// Puts a lane at the start of an attempt.
-    fn start(&mut self, lane: usize, row: usize, attempt: u32) {
+    #[inline(always)]
+    fn start(&mut self, lane: usize, row: usize, attempt: u32, goal: &Goal<f64>) {
         let dof = self.variables.len();
         let given = self.plan.starts.row(row, dof);
         let mut fixed = [0.0; 16];
@@ -370,7 +380,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
         };
         match given {
             Some(start) if attempt == 0 => q.copy_from_slice(start),
-            _ => self.plan.sampler.sample(row, attempt, q),
+            _ => self.plan.sampler.sample(row, attempt, goal, q),
         }
         for (i, v) in self.variables.iter().enumerate() {
             self.q[i].set_lane(lane, q[i].clamp(v.lower, v.upper));

@@ -1,6 +1,6 @@
 //! What goes into a call (goals, starts, settings) and what comes out of it (answers).
 
-use super::{Settings, start::Sampler};
+use super::{Settings, start::{Ranking, Sampler}};
 use crate::chain::{Chain, Reach, Tail};
 use crate::error::{Error, Result};
 use crate::task::{Goal, Task, axis_goal, pose_goal, rotation_scale, unit};
@@ -93,7 +93,7 @@ pub struct Plan<'a> {
     pub(super) tolerance: Tolerance,
     pub(super) goals: Goals<'a>,
     pub(super) starts: Starts<'a>,
-    pub(super) sampler: Sampler,
+    pub(super) sampler: Sampler<'a>,
     pub(super) tail: Tail,
     pub(super) rotation_scale: f64,
     tool_reach: Reach,
@@ -148,6 +148,8 @@ impl<'a> Plan<'a> {
         }
         let compiled = chain.compiled();
         let tail = tail.unwrap_or(compiled.tail);
+        let rotation_scale = rotation_scale(compiled, chain.reach().radius);
+        let ranking = ranking(&task, &tail, rotation_scale);
         let tool_reach = Reach::with_tail(compiled, chain.variables(), &tail);
         let wrist_reach =
             if task.fixes_pose() { Reach::of_last_joint(compiled, chain.variables()) } else { None };
@@ -158,8 +160,8 @@ impl<'a> Plan<'a> {
             tolerance,
             goals,
             starts,
-            sampler: Sampler::new(chain.variables(), seed, first_index),
-            rotation_scale: rotation_scale(compiled, chain.reach().radius),
+            sampler: Sampler::new(chain, ranking, seed, first_index),
+            rotation_scale,
             tail,
             tool_reach,
             wrist_reach,
@@ -238,6 +240,20 @@ impl<'a> Plan<'a> {
         let arm = t.iter().map(|x| x * x).sum::<f64>().sqrt();
         wrist.excess(p) > self.tolerance.position + arm * self.tolerance.orientation
     }
+}
+
+/// By what starts are compared with a goal of the task.
+fn ranking(task: &Task, tail: &Tail, rotation_scale: f64) -> Ranking {
+    let squared = (rotation_scale * rotation_scale) as f32;
+    let none = ([0.0; 3], 0.0);
+    let (axes, direction) = match task {
+        Task::Position => (0.0, none),
+        Task::Pose => (squared, none),
+        Task::Axis { tool_axis } => (0.0, (tail.direction(*tool_axis).map(|x| x as f32), squared)),
+        // Rows that are free make the axes a poor guide; the tool point is one if it counts.
+        Task::Masked { .. } => (0.0, none),
+    };
+    Ranking { point: tail.translation.map(|x| x as f32), axes, direction }
 }
 
 /// The answers of a call, one entry a target (`dof` entries of `q`).

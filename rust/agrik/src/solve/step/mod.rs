@@ -47,7 +47,7 @@ impl Settings {
     /// Levenberg-Marquardt, the default solver.
     pub const LEVENBERG_MARQUARDT: Self = Self {
         step: Step::LevenbergMarquardt { damping: 0.05 },
-        max_iterations: 30,
+        max_iterations: 16,
         max_restarts: 100,
         max_step: 1.0,
     };
