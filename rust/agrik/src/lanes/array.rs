@@ -80,7 +80,7 @@ impl<const N: usize> Real for Pack<N> {
         Self([value; N])
     }
     #[inline(always)]
-    fn lane(self, index: usize) -> f64 {
+    fn lane(&self, index: usize) -> f64 {
         self.0[index]
     }
     #[inline(always)]

@@ -41,7 +41,7 @@ pub trait Real:
     /// The same number in every lane.
     fn splat(value: f64) -> Self;
     /// The number in lane `index` (below [`Real::WIDTH`]).
-    fn lane(self, index: usize) -> f64;
+    fn lane(&self, index: usize) -> f64;
     /// Replaces the number in lane `index` (below [`Real::WIDTH`]).
     fn set_lane(&mut self, index: usize, value: f64);
 

@@ -11,8 +11,8 @@ impl Real for f64 {
         value
     }
     #[inline(always)]
-    fn lane(self, _index: usize) -> f64 {
-        self
+    fn lane(&self, _index: usize) -> f64 {
+        *self
     }
     #[inline(always)]
     fn set_lane(&mut self, _index: usize, value: f64) {

@@ -77,7 +77,7 @@ macro_rules! operators {
 
 /// The methods of [`Real`] that differ in nothing but the names of the instructions.
 macro_rules! shared_methods {
-    ($vector:ty, $width:literal, $set1:ident, $fma:ident, $sqrt:ident, $min:ident, $max:ident) => {
+    ($width:literal, $set1:ident, $fma:ident, $sqrt:ident, $min:ident, $max:ident) => {
         const WIDTH: usize = $width;
 
         #[inline(always)]
@@ -86,18 +86,18 @@ macro_rules! shared_methods {
             Self(unsafe { $set1(value) })
         }
         #[inline(always)]
-        fn lane(self, index: usize) -> f64 {
-            // SAFETY: the vector is `$width` doubles and has no other bytes.
-            let lanes: [f64; $width] = unsafe { std::mem::transmute(self.0) };
-            lanes[index]
+        fn lane(&self, index: usize) -> f64 {
+            assert!(index < $width);
+            // SAFETY: the vector is `$width` doubles without other bytes, and `index` is
+            // one of them. Through a pointer, so that one lane of a vector in memory is
+            // one scalar access.
+            unsafe { *std::ptr::from_ref(&self.0).cast::<f64>().add(index) }
         }
         #[inline(always)]
         fn set_lane(&mut self, index: usize, value: f64) {
-            // SAFETY: as in `lane`, there and back.
-            let mut lanes: [f64; $width] = unsafe { std::mem::transmute(self.0) };
-            lanes[index] = value;
-            // SAFETY: as in `lane`.
-            self.0 = unsafe { std::mem::transmute::<[f64; $width], $vector>(lanes) };
+            assert!(index < $width);
+            // SAFETY: as in `lane`, and the reference is exclusive.
+            unsafe { *std::ptr::from_mut(&mut self.0).cast::<f64>().add(index) = value }
         }
         #[inline(always)]
         fn mul_add(self, a: Self, b: Self) -> Self {
@@ -137,7 +137,6 @@ operators!(F64x4, negate4, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_d
 impl Real for F64x4 {
     type Mask = __m256d;
     shared_methods!(
-        __m256d,
         4,
         _mm256_set1_pd,
         _mm256_fmadd_pd,
@@ -229,7 +228,6 @@ operators!(F64x8, negate8, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_d
 impl Real for F64x8 {
     type Mask = __mmask8;
     shared_methods!(
-        __m512d,
         8,
         _mm512_set1_pd,
         _mm512_fmadd_pd,

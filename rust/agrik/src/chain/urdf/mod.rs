@@ -15,11 +15,7 @@ use super::Chain;
 use crate::error::{Error, Result};
 
 /// The chain from `base_link` to `tip_link`; see [`Chain::from_urdf`].
-pub(super) fn parse(
-    text: &str,
-    base_link: Option<&str>,
-    tip_link: Option<&str>,
-) -> Result<Chain> {
+pub(super) fn parse(text: &str, base_link: Option<&str>, tip_link: Option<&str>) -> Result<Chain> {
     let root = xml::read(text)?;
     let tree = tree::Tree::new(&root)?;
     let joints = tree
@@ -29,7 +25,9 @@ pub(super) fn parse(
         .collect::<Result<Vec<_>>>()?;
     if joints.iter().all(|j| j.kind == super::JointKind::Fixed) {
         let names = text::listing(joints.iter().map(|j| j.name.as_str()));
-        return Err(fault(format!("no movable joint between base and tip, only {names}")));
+        return Err(fault(format!(
+            "no movable joint between base and tip, only {names}"
+        )));
     }
     let identity = IsometryMatrix3::identity();
     Chain::new(tree.name, joints, identity, identity, None).map_err(|error| match error {

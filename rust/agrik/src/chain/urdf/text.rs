@@ -28,13 +28,17 @@ pub(super) fn listing<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
 /// name is near.
 pub(super) fn suggestion<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     let wanted = name.to_lowercase();
-    let limit = 1 + wanted.chars().count() / 3;
+    // A third of the letters, but never all of them.
+    let letters = wanted.chars().count();
+    let limit = letters.div_ceil(3).min(letters.saturating_sub(1));
     known
         .into_iter()
         .map(|candidate| (distance(&wanted, &candidate.to_lowercase()), candidate))
         .filter(|(distance, _)| *distance <= limit)
         .min_by_key(|(distance, _)| *distance)
-        .map_or_else(String::new, |(_, candidate)| format!("; did you mean {}?", quoted(candidate)))
+        .map_or_else(String::new, |(_, candidate)| {
+            format!("; did you mean {}?", quoted(candidate))
+        })
 }
 
 /// Levenshtein distance: how many letters to insert, remove or replace.
@@ -69,6 +73,7 @@ mod tests {
         let known = ["base_link", "tool0"];
         assert_eq!(suggestion("bas_link", known), "; did you mean 'base_link'?");
         assert_eq!(suggestion("camera", known), "");
+        assert_eq!(suggestion("k", ["j"]), "");
     }
 
     #[test]
