@@ -4,7 +4,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::{Error, Result};
-use crate::lanes::{Kernel, Level, Real, dispatch};
+use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
 use crate::solve::{Answers, AnswersMut, Plan, run};
 
 mod pool;
@@ -14,6 +14,8 @@ pub use pool::{num_threads, set_num_threads};
 /// Rows handed out at a time: few enough to balance the threads, many enough that taking
 /// the next run costs nothing.
 const RUN: usize = 256;
+/// Up to this many targets are solved one after the other.
+const FEW: usize = 2;
 
 /// Solves all targets of a plan on `threads` threads (0: the number in force).
 ///
@@ -75,7 +77,10 @@ fn run_at<'a>(
     next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
     keep_going: &mut dyn FnMut() -> bool,
 ) -> bool {
-    dispatch(level, Loop { plan, next, keep_going })
+    let kernel = Loop { plan, next, keep_going };
+    // A pass over all lanes costs more than one over a number; below a few targets most
+    // lanes would be idle.
+    if plan.len() <= FEW { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
 }
 
 /// The solver loop as a kernel.

@@ -3,6 +3,8 @@
 use std::sync::OnceLock;
 
 use super::Real;
+#[cfg(target_arch = "x86_64")]
+use super::scalar::Fused;
 
 /// Environment variable that forces a level: `scalar`, `avx2`, `avx512` or `neon`.
 pub const VARIABLE: &str = "AGRIK_SIMD";
@@ -97,6 +99,27 @@ pub fn dispatch<K: Kernel>(level: Level, kernel: K) -> K::Output {
         Level::Neon => kernel.run::<super::Pack<4>>(),
         _ => kernel.run::<f64>(),
     }
+}
+
+/// Runs a kernel one number at a time, with the roundings of a level: what a kernel
+/// computes for one target is bit for bit what [`dispatch`] computes in a lane.
+pub fn dispatch_single<K: Kernel>(level: Level, kernel: K) -> K::Output {
+    match level {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 | Level::Avx512 if level.is_available() => {
+            // SAFETY: both levels ask for the features of `with_fma`.
+            unsafe { with_fma(kernel) }
+        }
+        #[cfg(target_arch = "aarch64")]
+        Level::Neon => kernel.run::<super::Pack<1>>(),
+        _ => kernel.run::<f64>(),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn with_fma<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<Fused>()
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -13,7 +13,7 @@ mod trig;
 mod x86;
 
 pub use array::Pack;
-pub use dispatch::{Kernel, Level, dispatch};
+pub use dispatch::{Kernel, Level, dispatch, dispatch_single};
 pub(crate) use trig::angle_over_sine;
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};

@@ -14,6 +14,10 @@ use crate::task::{AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task
 /// Share of the tolerance that the loop itself allows, so that rounding in a later check
 /// cannot turn a reached target into a missed one.
 const INSIDE: f64 = 1.0 - 1e-6;
+/// An attempt whose error is below this share of the robot's size is closing in on a
+/// solution, slowly where that is singular: it gets so many times the usual steps.
+const NEAR: f64 = 1e-2;
+const PATIENCE: u32 = 8;
 /// Loop passes between two questions whether to go on.
 const PASSES_PER_POLL: u32 = 512;
 
@@ -66,6 +70,24 @@ struct Best {
     orientation_error: f64,
 }
 
+/// A joint's limits as the loop sees them.
+#[derive(Debug, Clone, Copy)]
+struct Limit {
+    lower: f64,
+    upper: f64,
+    /// The joint can take every angle, so that its limits hold nothing back.
+    turns: bool,
+}
+
+impl Limit {
+    fn of(v: &Variable) -> Self {
+        // Half a step of rounding: limits of plus and minus half a turn are a full one.
+        let full = v.upper - v.lower >= std::f64::consts::TAU - 1e-15;
+        let turns = v.kind != JointKind::Prismatic && full;
+        Self { lower: v.lower, upper: v.upper, turns }
+    }
+}
+
 /// A run of rows with the number of its unfinished rows.
 struct Open<'a> {
     run: AnswersMut<'a>,
@@ -78,7 +100,12 @@ struct Engine<'p, R: Real, T, const M: usize> {
     plan: &'p Plan<'p>,
     rows: T,
     variables: &'p [Variable],
+    limits: Vec<Limit>,
     has_continuous: bool,
+    /// Steps of an attempt, and of one whose squared error is below `near2`.
+    cap: u32,
+    patient_cap: u32,
+    near2: f64,
     jobs: Vec<Job>,
     q: Vec<R>,
     /// Where continuous joints' values are kept near.
@@ -109,7 +136,11 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             plan,
             rows,
             variables,
+            limits: variables.iter().map(Limit::of).collect(),
             has_continuous: variables.iter().any(|v| v.kind == JointKind::Continuous),
+            cap: plan.settings.max_iterations,
+            patient_cap: plan.settings.max_iterations.saturating_mul(PATIENCE),
+            near2: (NEAR * plan.rotation_scale).powi(2),
             jobs: vec![job; R::WIDTH],
             q: vec![R::zero(); dof],
             reference: vec![R::zero(); dof],
@@ -152,10 +183,12 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
                 error.position2.le(position2),
                 error.orientation2.le(orientation2),
             )) & busy;
+            let near = R::bits(squared_norm(&error.rows).lt(R::splat(self.near2)));
             let mut ended = (reached | stalled) & busy;
             for (lane, job) in self.jobs.iter().enumerate() {
-                let capped = job.steps >= self.plan.settings.max_iterations;
-                ended |= (u32::from(capped) << lane) & busy;
+                let closing_in = near >> lane & 1 != 0;
+                let cap = if closing_in { self.patient_cap } else { self.cap };
+                ended |= u32::from(job.steps >= cap) << lane & busy;
             }
             if ended != 0 {
                 let mut left = ended;
@@ -210,8 +243,8 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
         });
         // Active set: a joint at a limit whose downhill direction leads outward is held
         // for this step, and the others take over its share.
-        for ((v, q), column) in self.variables.iter().zip(&self.q).zip(&mut self.columns) {
-            if v.kind == JointKind::Continuous {
+        for ((v, q), column) in self.limits.iter().zip(&self.q).zip(&mut self.columns) {
+            if v.turns {
                 continue;
             }
             let downhill = dot(column, &error.rows);
@@ -236,8 +269,16 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
         let scale = (R::splat(self.plan.settings.max_step) / longest).min(R::splat(1.0));
         let scale = R::select(R::mask_from_bits(moving), scale, R::zero());
         let mut moved = R::zero();
-        for ((v, q), dq) in self.variables.iter().zip(&mut self.q).zip(&self.change) {
-            let to = dq.mul_add(scale, *q).max(R::splat(v.lower)).min(R::splat(v.upper));
+        for ((v, q), dq) in self.limits.iter().zip(&mut self.q).zip(&self.change) {
+            let mut to = dq.mul_add(scale, *q);
+            let (lower, upper) = (R::splat(v.lower), R::splat(v.upper));
+            if v.turns {
+                // Past one end of a full turn lies the same posture at the other end.
+                let turn = R::splat(std::f64::consts::TAU);
+                to = R::select(to.lt(lower), to + turn, to);
+                to = R::select(upper.lt(to), to - turn, to);
+            }
+            to = to.max(lower).min(upper);
             moved = moved.max((to - *q).abs());
             *q = to;
         }

@@ -9,11 +9,11 @@ use crate::kinematics::{Workspace, forward};
 use crate::task::Goal;
 
 /// Postures in a chain's table.
-const TABLE: usize = 16_384;
+const TABLE: usize = 8192;
 /// Seed of the table: the same for every call, since calls choose windows of it.
 const TABLE_SEED: u64 = 0x6167_7269_6b00_0001;
 /// Postures compared for one start.
-pub(super) const WINDOW: usize = 128;
+pub(super) const WINDOW: usize = 64;
 /// Postures compared in one go.
 const STRIDE: usize = 16;
 /// Every so many attempts one starts anywhere, so that no start is out of the question.

@@ -46,8 +46,8 @@ pub struct Settings {
 impl Settings {
     /// Levenberg-Marquardt, the default solver.
     pub const LEVENBERG_MARQUARDT: Self = Self {
-        step: Step::LevenbergMarquardt { damping: 0.05 },
-        max_iterations: 16,
+        step: Step::LevenbergMarquardt { damping: 0.1 },
+        max_iterations: 10,
         max_restarts: 100,
         max_step: 1.0,
     };

@@ -1,0 +1,121 @@
+# Everything happens inside the checkout: .venv holds Python, target/ what cargo builds.
+# `make help` lists the targets; the text after ## is what it prints.
+
+PYTHON ?= python3
+VENV := .venv
+PY := $(VENV)/bin/python
+ORACLE := .venv-oracle
+WHEELS := target/wheels
+NATIVE := python/agrik_fast/_native.abi3.so
+
+# In the continuous integration the committed Cargo.lock must be up to date.
+LOCKED := $(if $(CI),--locked)
+# One interpreter for cargo and maturin, or PyO3 would be compiled twice.
+export PYO3_PYTHON := $(abspath $(PY))
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs' -o -name Cargo.toml)
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help run test lint format bench wheel docs clean build oracle \
+	rust-lint rust-test python-lint python-test
+
+help: ## say what every target does
+	@echo 'agrik_fast: `make run` and `make test` need only Rust, Python >= 3.11 and PyPI.'
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+
+run: build ## solve the example targets of every robot, write and check the results
+	$(PY) examples/run_all.py
+
+test: rust-lint rust-test python-lint python-test ## every check but the oracle: linters, types, Rust and Python tests
+
+lint: rust-lint python-lint ## formatting, clippy, ruff, mypy and stubtest, without the tests
+
+format: $(VENV)/.dev ## let rustfmt and ruff write the files the way `make lint` wants them
+	cargo fmt --all
+	$(PY) -m ruff check --fix-only --quiet .
+	$(PY) -m ruff format .
+
+bench: build $(VENV)/.dev ## criterion benches of the core, then this library beside its peers
+	cargo bench $(LOCKED) -p agrik
+	$(PY) benches/peers.py
+
+wheel: $(VENV)/.build ## the wheel for this platform, in target/wheels
+	rm -rf $(WHEELS)
+	$(PY) -m maturin build --release $(LOCKED) --interpreter $(PY) --out $(WHEELS)
+
+docs: build $(VENV)/.docs ## the documentation as HTML in docs/_build/html; a warning is an error
+	$(PY) -m sphinx -W --keep-going --quiet -b html docs docs/_build/html
+	@echo 'docs/_build/html/index.html'
+
+clean: ## remove what the other targets made, the environments included
+	cargo clean
+	rm -rf .venv .venv-* dist docs/_build docs/_generated examples/results benches/results
+	rm -rf .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -f python/agrik_fast/_native*.so
+	find python tests examples benches docs -name __pycache__ -prune -exec rm -rf {} +
+
+build: $(NATIVE) ## the release extension, installed into .venv (quick when nothing changed)
+
+oracle: build $(ORACLE)/.done ## compare with Pinocchio on URDFs of real robots (heavy downloads, own environment)
+	rm -rf target/oracle
+	$(PY) -m maturin build --release $(LOCKED) --quiet --interpreter $(PY) --out target/oracle
+	$(ORACLE)/bin/python -m pip uninstall --quiet --yes agrik_fast
+	$(ORACLE)/bin/python -m pip install --quiet target/oracle/*.whl
+	$(ORACLE)/bin/python -m pytest tests/oracle
+
+# ---- the parts of `make test` ----------------------------------------------------------------
+
+# PyO3 asks an interpreter for its version, so the environment comes first.
+rust-lint: $(VENV)/.pip
+	cargo fmt --all --check
+	cargo clippy $(LOCKED) --workspace --all-targets -- -D warnings
+
+# agrik-py is an extension module: its tests are the Python ones.
+rust-test: $(VENV)/.pip
+	if cargo nextest --version >/dev/null 2>&1; \
+	then cargo nextest run $(LOCKED) --workspace --exclude agrik-py; \
+	else cargo test $(LOCKED) --workspace --exclude agrik-py --tests; fi
+	cargo test $(LOCKED) --doc -p agrik
+
+python-lint: build $(VENV)/.dev
+	$(PY) -m ruff check .
+	$(PY) -m ruff format --check .
+	$(PY) -m mypy
+	$(PY) -m mypy.stubtest --concise agrik_fast._native
+
+python-test: build $(VENV)/.dev
+	$(PY) -m pytest
+
+# ---- environments: a stamp file for each, so that a second call is quick ------------------------
+
+$(VENV)/.pip:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed; name one: make PYTHON=python3.12")'
+	$(PYTHON) -m venv $(VENV)
+	$(PY) -m pip install --quiet --upgrade pip
+	@touch $@
+
+$(VENV)/.build: pyproject.toml $(VENV)/.pip
+	$(PY) -m pip install --quiet --group build
+	@touch $@
+
+$(VENV)/.dev: pyproject.toml $(VENV)/.pip
+	$(PY) -m pip install --quiet --group test --group lint
+	@touch $@
+
+$(VENV)/.docs: pyproject.toml $(VENV)/.pip
+	$(PY) -m pip install --quiet --group docs
+	@touch $@
+
+$(NATIVE): $(RUST_SOURCES) pyproject.toml $(VENV)/.build
+	VIRTUAL_ENV=$(abspath $(VENV)) $(PY) -m maturin develop --release $(LOCKED) --extras parquet
+	@touch $@
+
+# Pinocchio pins libraries of its own; the two robot packages are wanted for their files alone.
+$(ORACLE)/.done: pyproject.toml
+	$(PYTHON) -m venv $(ORACLE)
+	$(ORACLE)/bin/python -m pip install --quiet --upgrade pip
+	$(ORACLE)/bin/python -m pip install --quiet --group oracle
+	$(ORACLE)/bin/python -m pip install --quiet --no-deps --group oracle-data
+	@touch $@

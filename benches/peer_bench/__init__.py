@@ -1,0 +1,1 @@
+"""Side-by-side measurement of agrik_fast and other IK libraries (see benches/README.md)."""

@@ -1,0 +1,35 @@
+"""Fast, verified inverse kinematics for serial robot arms.
+
+The names below are loaded when first used, so that ``import agrik_fast`` (and
+with it the command line's help) costs next to nothing.
+"""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from . import errors, solvers, tasks
+    from ._native import __version__, get_num_threads, set_num_threads, simd_level
+    from .errors import AgrikError, ArgumentError, RobotFileError, UnknownNameError, UrdfError
+    from .result import IkResult, Status
+    from .robot import Robot
+else:
+    from ._lazy import __dir__ as __dir__
+    from ._lazy import __getattr__ as __getattr__
+
+__all__ = [
+    "AgrikError",
+    "ArgumentError",
+    "IkResult",
+    "Robot",
+    "RobotFileError",
+    "Status",
+    "UnknownNameError",
+    "UrdfError",
+    "__version__",
+    "errors",
+    "get_num_threads",
+    "set_num_threads",
+    "simd_level",
+    "solvers",
+    "tasks",
+]

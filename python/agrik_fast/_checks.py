@@ -1,0 +1,73 @@
+"""Checks of arguments that several modules share; each raises `ArgumentError`."""
+
+from __future__ import annotations
+
+import math
+import operator
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import ArgumentError
+
+FloatArray = NDArray[np.float64]
+
+
+def float_array(argument: str, value: ArrayLike) -> FloatArray:
+    """Return `value` as a float64 array; anything but real numbers is refused."""
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError):
+        raise ArgumentError(argument, "rows of unequal length", "an array of numbers") from None
+    if array.dtype.kind not in "fiu":
+        raise ArgumentError(argument, f"an array of {array.dtype}", "an array of numbers")
+    return array.astype(np.float64, copy=False)
+
+
+def whole_number(argument: str, value: object, low: int, high: int | None = None) -> int:
+    """Return `value` as an int in [low, high]."""
+    expected = f"a whole number >= {low}" if high is None else f"a whole number, {low} to {high}"
+    try:
+        number = operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise ArgumentError(argument, repr(value), expected) from None
+    if isinstance(value, bool) or number < low or (high is not None and number > high):
+        raise ArgumentError(argument, repr(value), expected)
+    return number
+
+
+def real_number(
+    argument: str,
+    value: object,
+    low: float,
+    high: float = math.inf,
+    *,
+    open_low: bool = False,
+    unit: str = "",
+) -> float:
+    """Return `value` as a finite float in [low, high], or (low, high] if `open_low`."""
+    expected = f"a finite number {'>' if open_low else '>='} {low:g}"
+    if math.isfinite(high):
+        expected += f" and <= {high:g}"
+    if unit:
+        expected += f" {unit}"
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise ArgumentError(argument, repr(value), expected)
+    number = float(value)
+    inside = number > low if open_low else number >= low
+    if not (math.isfinite(number) and inside and number <= high):
+        raise ArgumentError(argument, f"{number!r}", expected)
+    return number
+
+
+def direction(argument: str, value: object) -> tuple[float, float, float]:
+    """Return three numbers as a unit vector."""
+    vector = float_array(argument, value)  # type: ignore[arg-type]
+    if vector.shape != (3,):
+        raise ArgumentError(argument, f"shape {vector.shape}", "shape (3,)")
+    length = float(np.linalg.norm(vector))
+    if not (math.isfinite(length) and length > 0):
+        received = "zero" if length == 0 else str(vector.tolist())
+        raise ArgumentError(argument, received, "a finite direction of non-zero length")
+    x, y, z = (vector / length).tolist()
+    return x, y, z

@@ -1,0 +1,5 @@
+"""The command ``agrik-fast``."""
+
+from .app import main
+
+__all__ = ["main"]

@@ -1,0 +1,178 @@
+"""Exceptions of agrik_fast.
+
+Every exception the library raises on purpose derives from `AgrikError`; those
+about an argument's value are also a `ValueError`. The compiled module raises
+the same classes. An unreachable target is never an exception: it is a
+`agrik_fast.Status` in the result.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+__all__ = [
+    "AgrikError",
+    "ArgumentError",
+    "Fault",
+    "RobotFileError",
+    "UnknownNameError",
+    "UrdfError",
+]
+
+
+class AgrikError(Exception):
+    """Base class of all exceptions of this library."""
+
+
+class ArgumentError(AgrikError, ValueError):
+    """An argument has the wrong shape, type or value.
+
+    Parameters
+    ----------
+    argument : str
+        Name of the argument, as the caller wrote it (``"targets"``,
+        ``"LevenbergMarquardt.max_restarts"``).
+    received : str
+        What came: the value or the shape, in words.
+    expected : str
+        What would have been accepted, in words.
+
+    Attributes
+    ----------
+    argument, received, expected : str
+        The parameters.
+    """
+
+    argument: str
+    received: str
+    expected: str
+
+    def __init__(self, argument: str, received: str, expected: str) -> None:
+        self.argument = argument
+        self.received = received
+        self.expected = expected
+        super().__init__(f"`{argument}`: expected {expected}, got {received}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The default rebuilds from `args`, which holds the message only; worker
+        # processes could then not hand the exception back.
+        return type(self), (self.argument, self.received, self.expected)
+
+
+class UnknownNameError(ArgumentError):
+    """A name (robot, solver, task, frame, link) is not known.
+
+    Parameters
+    ----------
+    kind : str
+        What the name should be the name of: ``"robot"``, ``"solver"``, ...
+    name : str
+        The name that came.
+    known : iterable of str
+        The names that would have been accepted.
+
+    Attributes
+    ----------
+    kind, name : str
+        The parameters.
+    known : tuple of str
+        All accepted names.
+    nearest : tuple of str
+        Up to three accepted names that look like `name`, best first.
+    """
+
+    kind: str
+    name: str
+    known: tuple[str, ...]
+    nearest: tuple[str, ...]
+
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        self.kind = kind
+        self.name = name
+        self.known = tuple(known)
+        self.nearest = nearest_names(name, self.known)
+        listing = ", ".join(self.known)
+        super().__init__(kind, repr(name), f"one of {listing}")
+        hint = ""
+        if self.nearest:
+            hint = "; did you mean " + " or ".join(repr(n) for n in self.nearest) + "?"
+        self.args = (f"unknown {kind} {name!r}{hint or '.'} Known: {listing}",)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.kind, self.name, self.known)
+
+
+class Fault(NamedTuple):
+    """One fault of a robot file.
+
+    Attributes
+    ----------
+    place : str
+        Table, row (counted from 1) and key, for example ``[[dh]] row 3, a_mm``.
+    message : str
+        What is wrong there.
+    """
+
+    place: str
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.place}: {self.message}" if self.place else self.message
+
+
+class RobotFileError(AgrikError, ValueError):
+    """A robot file cannot be used; carries every fault found in it.
+
+    Parameters
+    ----------
+    file : str
+        Name of the file.
+    faults : iterable of (place, message)
+        The faults, in the order of the file.
+
+    Attributes
+    ----------
+    file : str
+        Name of the file.
+    faults : tuple of Fault
+        The faults.
+    """
+
+    file: str
+    faults: tuple[Fault, ...]
+
+    def __init__(self, file: str, faults: Iterable[tuple[str, str]]) -> None:
+        self.file = file
+        self.faults = tuple(Fault(place, message) for place, message in faults)
+        count = len(self.faults)
+        head = f"{file}: {count} fault{'' if count == 1 else 's'}"
+        super().__init__("\n".join([head, *(f"  {fault}" for fault in self.faults)]))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.file, self.faults)
+
+
+class UrdfError(AgrikError, ValueError):
+    """A URDF cannot be read, or does not describe one serial chain."""
+
+
+def nearest_names(name: str, known: Iterable[str]) -> tuple[str, ...]:
+    """Return up to three names of `known` that look like `name`, best first.
+
+    Parameters
+    ----------
+    name : str
+        What was typed.
+    known : iterable of str
+        Candidates.
+
+    Returns
+    -------
+    tuple of str
+        The nearest candidates, ignoring case; empty if none is near.
+    """
+    by_lower = {candidate.lower(): candidate for candidate in known}
+    matches = difflib.get_close_matches(name.lower(), list(by_lower), n=3, cutoff=0.6)
+    return tuple(by_lower[match] for match in matches)

@@ -1,0 +1,198 @@
+"""Solvers: how a target is reached.
+
+Pass one to `Robot.ik` as an object or, with its defaults, by its name. All solvers
+here are *step solvers*: one loop tests for convergence, takes a step within the joint
+limits, and restarts when an attempt has used up its iterations, from the best of a few
+postures that are drawn at random. They differ in how the step is computed.
+
+Rows of the error and the Jacobian that concern orientation are scaled by a length per
+radian (0.3 times the robot's reach), so that one damping serves metres and radians.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, TypeAlias
+
+from ._checks import real_number, whole_number
+from .errors import ArgumentError
+
+__all__ = [
+    "DampedLeastSquares",
+    "LevenbergMarquardt",
+    "PseudoInverse",
+    "Solver",
+    "Transpose",
+]
+
+# The compiled module counts in 32 bits.
+_LARGEST_COUNT = 2**32 - 1
+
+
+def _check_loop(solver: Solver) -> None:
+    kind = type(solver).__name__
+    whole_number(f"{kind}.max_iterations", solver.max_iterations, 1, _LARGEST_COUNT)
+    whole_number(f"{kind}.max_restarts", solver.max_restarts, 0, _LARGEST_COUNT)
+    real_number(f"{kind}.max_step", solver.max_step, 0, open_low=True, unit="rad or m")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LevenbergMarquardt:
+    """Least squares damped by a share of the squared error; the default, named "lm".
+
+    ``dq = J^T (J J^T + (damping |e|^2 / 2 + 1e-12 m^2) I)^-1 e``: steep and safe far from
+    the target, quadratic near it, because the damping vanishes with the error.
+
+    Parameters
+    ----------
+    damping : float, default 0.1
+        Share of half the squared error that is added to the diagonal; no unit, > 0.
+    max_iterations : int, default 10
+        Steps of one attempt before it is given up; 1 to 2**32 - 1.
+    max_restarts : int, default 100
+        Attempts after the first before the target is given up; 0 to 2**32 - 1.
+    max_step : float, default 1.0
+        Longest change of one joint in one step, rad or m; > 0. A step that is longer is
+        shortened as a whole.
+
+    Raises
+    ------
+    ArgumentError
+        A field is out of its range.
+
+    References
+    ----------
+    Sugihara, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt
+    method", IEEE Transactions on Robotics 27(5), 2011.
+    """
+
+    name: ClassVar[str] = "lm"
+    damping: float = 0.1
+    max_iterations: int = 10
+    max_restarts: int = 100
+    max_step: float = 1.0
+
+    def __post_init__(self) -> None:
+        real_number("LevenbergMarquardt.damping", self.damping, 0, open_low=True)
+        _check_loop(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DampedLeastSquares:
+    """Least squares with constant damping, named "dls".
+
+    ``dq = J^T (J J^T + damping^2 I)^-1 e``: never a wild step, at the price of slow
+    (linear) convergence.
+
+    Parameters
+    ----------
+    damping : float, default 0.01
+        Damping, m; > 0.
+    max_iterations : int, default 60
+        Steps of one attempt before it is given up; 1 to 2**32 - 1.
+    max_restarts : int, default 100
+        Attempts after the first before the target is given up; 0 to 2**32 - 1.
+    max_step : float, default 1.0
+        Longest change of one joint in one step, rad or m; > 0. A step that is longer is
+        shortened as a whole.
+
+    Raises
+    ------
+    ArgumentError
+        A field is out of its range.
+
+    References
+    ----------
+    Nakamura and Hanafusa, "Inverse kinematic solutions with singularity robustness for
+    robot manipulator control", ASME Journal of Dynamic Systems, Measurement, and Control
+    108(3), 1986.
+    """
+
+    name: ClassVar[str] = "dls"
+    damping: float = 0.01
+    max_iterations: int = 60
+    max_restarts: int = 100
+    max_step: float = 1.0
+
+    def __post_init__(self) -> None:
+        real_number("DampedLeastSquares.damping", self.damping, 0, open_low=True, unit="m")
+        _check_loop(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PseudoInverse:
+    """Full steps by the Moore-Penrose pseudo-inverse, named "pinv".
+
+    ``dq = J^+ e``. Directions with a singular value below `cutoff` times the largest are
+    left out, so that a singular posture gives a short step and not a wild one.
+
+    Parameters
+    ----------
+    cutoff : float, default 0.001
+        Relative cutoff of singular values; no unit, > 0 and < 1.
+    max_iterations : int, default 60
+        Steps of one attempt before it is given up; 1 to 2**32 - 1.
+    max_restarts : int, default 100
+        Attempts after the first before the target is given up; 0 to 2**32 - 1.
+    max_step : float, default 1.0
+        Longest change of one joint in one step, rad or m; > 0. A step that is longer is
+        shortened as a whole.
+
+    Raises
+    ------
+    ArgumentError
+        A field is out of its range.
+    """
+
+    name: ClassVar[str] = "pinv"
+    cutoff: float = 0.001
+    max_iterations: int = 60
+    max_restarts: int = 100
+    max_step: float = 1.0
+
+    def __post_init__(self) -> None:
+        cutoff = real_number("PseudoInverse.cutoff", self.cutoff, 0, 1, open_low=True)
+        if cutoff == 1:
+            raise ArgumentError("PseudoInverse.cutoff", "1.0", "a finite number > 0 and < 1")
+        _check_loop(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Transpose:
+    """Steps along the Jacobian transpose with Buss's step length, named "transpose".
+
+    ``dq = alpha J^T e`` with ``alpha = <e, J J^T e> / |J J^T e|^2``: cheap steps without an
+    equation system, but many of them.
+
+    Parameters
+    ----------
+    max_iterations : int, default 2000
+        Steps of one attempt before it is given up; 1 to 2**32 - 1.
+    max_restarts : int, default 20
+        Attempts after the first before the target is given up; 0 to 2**32 - 1.
+    max_step : float, default 1.0
+        Longest change of one joint in one step, rad or m; > 0. A step that is longer is
+        shortened as a whole.
+
+    Raises
+    ------
+    ArgumentError
+        A field is out of its range.
+
+    References
+    ----------
+    Buss, "Introduction to inverse kinematics with Jacobian transpose, pseudoinverse and
+    damped least squares methods", 2004.
+    """
+
+    name: ClassVar[str] = "transpose"
+    max_iterations: int = 2000
+    max_restarts: int = 20
+    max_step: float = 1.0
+
+    def __post_init__(self) -> None:
+        _check_loop(self)
+
+
+Solver: TypeAlias = LevenbergMarquardt | DampedLeastSquares | PseudoInverse | Transpose
+"""Any solver."""

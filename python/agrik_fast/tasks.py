@@ -1,0 +1,128 @@
+"""Tasks: what counts as reaching a target.
+
+A task says which parts of the tool's pose must meet the target. Pass one to
+`Robot.ik` as an object or, with its defaults, by its name.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal, TypeAlias
+
+import numpy as np
+
+from ._checks import direction, float_array
+from .errors import ArgumentError
+
+__all__ = ["Axis", "Masked", "Pose", "Position", "Task"]
+
+
+@dataclass(frozen=True, slots=True)
+class Position:
+    """The tool point is at the target; the orientation is free (3 rows).
+
+    Targets have shape (..., 3), m, or (..., 4, 4), of which the translation counts.
+    """
+
+    name: ClassVar[str] = "position"
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """The tool frame coincides with the target frame (6 rows).
+
+    Targets are rigid transforms of shape (..., 4, 4), lengths in m. The orientation
+    error is the rotation vector between tool and target, exact up to pi.
+    """
+
+    name: ClassVar[str] = "pose"
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """The tool point is at the target and one tool axis is parallel to a direction (5 rows).
+
+    The tool may turn freely about that axis.
+
+    Parameters
+    ----------
+    tool_axis : tuple of 3 float, default (0, 0, 1)
+        Axis in the tool frame, of any length but zero; kept as a unit vector.
+    direction : tuple of 3 float, optional
+        Direction in the base frame that the axis must point to, of any length but
+        zero; kept as a unit vector. Needed for targets of shape (..., 3). For
+        targets of shape (..., 4, 4) it defaults to the target's own `tool_axis`,
+        ``R @ tool_axis``.
+
+    Raises
+    ------
+    ArgumentError
+        A direction is not three finite numbers, or zero.
+
+    Examples
+    --------
+    The cucumber gripper, tool x pointing down:
+
+    >>> Axis(tool_axis=(1, 0, 0), direction=(0, 0, -1))
+    Axis(tool_axis=(1.0, 0.0, 0.0), direction=(0.0, 0.0, -1.0))
+    """
+
+    name: ClassVar[str] = "axis"
+    tool_axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    direction: tuple[float, float, float] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "tool_axis", direction("Axis.tool_axis", self.tool_axis))
+        if self.direction is not None:
+            object.__setattr__(self, "direction", direction("Axis.direction", self.direction))
+
+
+@dataclass(frozen=True, slots=True)
+class Masked:
+    """A pose of which each of the six error rows has a weight (0 leaves it free).
+
+    Targets have shape (..., 4, 4), lengths in m.
+
+    Parameters
+    ----------
+    weights : tuple of 6 float
+        Weights >= 0 of the errors along x, y, z (m) and about x, y, z (rad), no unit;
+        at least one above 0. The tolerances apply to the unweighted errors of the rows
+        whose weight is above 0.
+    frame : {"base", "tool"}, default "base"
+        Frame in which the rows are counted.
+
+    Raises
+    ------
+    ArgumentError
+        Not six finite weights >= 0, all zero, or another frame.
+
+    Examples
+    --------
+    Position and heading, roll and pitch free:
+
+    >>> Masked((1, 1, 1, 0, 0, 1)).frame
+    'base'
+    """
+
+    name: ClassVar[str] = "masked"
+    weights: tuple[float, float, float, float, float, float]
+    frame: Literal["base", "tool"] = "base"
+
+    def __post_init__(self) -> None:
+        weights = float_array("Masked.weights", self.weights)
+        if weights.shape != (6,):
+            raise ArgumentError("Masked.weights", f"shape {weights.shape}", "shape (6,)")
+        if not (np.isfinite(weights).all() and (weights >= 0).all() and weights.any()):
+            raise ArgumentError(
+                "Masked.weights",
+                str(weights.tolist()),
+                "finite weights >= 0, at least one above 0",
+            )
+        if self.frame not in ("base", "tool"):
+            raise ArgumentError("Masked.frame", repr(self.frame), "'base' or 'tool'")
+        object.__setattr__(self, "weights", tuple(weights.tolist()))
+
+
+Task: TypeAlias = Position | Pose | Axis | Masked
+"""Any task."""

@@ -1,0 +1,212 @@
+//! The class `Chain`: only names, signatures and conversions; the work is elsewhere.
+
+use std::sync::Arc;
+
+use agrik::chain;
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::build::{self, DhTable, Frame};
+use crate::convert::{array, transform};
+use crate::ik::{self, Arguments};
+use crate::result::IkResult;
+use crate::{errors, kinematics};
+
+/// A serial chain: geometry, limits, base and tool, compiled for the solvers.
+#[pyclass(frozen, module = "agrik_fast._native")]
+pub struct Chain(Arc<chain::Chain>);
+
+impl Chain {
+    fn wrap(py: Python<'_>, made: agrik::Result<chain::Chain>) -> PyResult<Self> {
+        made.map(|chain| Self(Arc::new(chain))).map_err(|error| errors::from_core(py, error))
+    }
+
+    fn of_variables(&self, pick: impl Fn(&chain::Variable) -> f64) -> Vec<f64> {
+        self.0.variables().iter().map(pick).collect()
+    }
+}
+
+type Array<'py> = PyResult<Bound<'py, PyArrayDyn<f64>>>;
+
+#[pymethods]
+impl Chain {
+    /// Build a chain from Denavit-Hartenberg rows.
+    #[staticmethod]
+    #[pyo3(signature = (
+        name, convention, rows, joint_types, joint_names, lower, upper, base=None, tool=None,
+        variable_order=None
+    ))]
+    #[allow(clippy::too_many_arguments)]
+    fn from_dh(
+        py: Python<'_>,
+        name: &str,
+        convention: &str,
+        rows: &Bound<'_, PyAny>,
+        joint_types: Vec<String>,
+        joint_names: Vec<String>,
+        lower: &Bound<'_, PyAny>,
+        upper: &Bound<'_, PyAny>,
+        base: Option<&Bound<'_, PyAny>>,
+        tool: Option<&Bound<'_, PyAny>>,
+        variable_order: Option<Vec<String>>,
+    ) -> PyResult<Self> {
+        let frame = Frame { name, base, tool, variable_order };
+        let table = DhTable { rows, joint_types, joint_names, lower, upper };
+        Ok(Self(Arc::new(build::from_dh(py, frame, convention, table)?)))
+    }
+
+    /// Build a chain from joints with origins and axes.
+    #[staticmethod]
+    #[pyo3(signature = (name, joints, base=None, tool=None, variable_order=None))]
+    fn from_joints(
+        py: Python<'_>,
+        name: &str,
+        joints: Vec<Bound<'_, PyDict>>,
+        base: Option<&Bound<'_, PyAny>>,
+        tool: Option<&Bound<'_, PyAny>>,
+        variable_order: Option<Vec<String>>,
+    ) -> PyResult<Self> {
+        let frame = Frame { name, base, tool, variable_order };
+        Ok(Self(Arc::new(build::from_joints(py, frame, &joints)?)))
+    }
+
+    /// Build a chain from the text of a URDF.
+    #[staticmethod]
+    #[pyo3(signature = (text, base_link=None, tip_link=None))]
+    fn from_urdf(
+        py: Python<'_>,
+        text: &str,
+        base_link: Option<&str>,
+        tip_link: Option<&str>,
+    ) -> PyResult<Self> {
+        Self::wrap(py, chain::Chain::from_urdf(text, base_link, tip_link))
+    }
+
+    /// Name of the robot.
+    #[getter]
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+
+    /// Number of joint variables, the length of q.
+    #[getter]
+    fn dof(&self) -> usize {
+        self.0.dof()
+    }
+
+    /// Names of the joint variables, in the order of q.
+    #[getter]
+    fn joint_names(&self) -> Vec<&str> {
+        self.0.variables().iter().map(|v| v.name.as_str()).collect()
+    }
+
+    /// Types of the joint variables, in the order of q.
+    #[getter]
+    fn joint_types(&self) -> Vec<&str> {
+        self.0.variables().iter().map(|v| v.kind.as_str()).collect()
+    }
+
+    /// Smallest values, shape (dof,), rad or m; -inf for continuous joints.
+    #[getter]
+    fn lower<'py>(&self, py: Python<'py>) -> Array<'py> {
+        array(py, &[self.0.dof()], self.of_variables(|v| v.lower))
+    }
+
+    /// Largest values, shape (dof,), rad or m; inf for continuous joints.
+    #[getter]
+    fn upper<'py>(&self, py: Python<'py>) -> Array<'py> {
+        array(py, &[self.0.dof()], self.of_variables(|v| v.upper))
+    }
+
+    /// Names of the frames of `fk_links`, the tool last.
+    #[getter]
+    fn link_names(&self) -> Vec<&str> {
+        let links = self.0.joints().iter().map(|joint| joint.child_link.as_str());
+        links.chain(["tool"]).collect()
+    }
+
+    /// Proven bound, m, on the tool point's distance from `reach_center`.
+    #[getter]
+    fn reach_radius(&self) -> f64 {
+        self.0.reach().radius
+    }
+
+    /// Centre of the reach ball, base frame, shape (3,), m.
+    #[getter]
+    fn reach_center<'py>(&self, py: Python<'py>) -> Array<'py> {
+        array(py, &[3], self.0.reach().center.to_vec())
+    }
+
+    /// Proven bounds of the tool point, base frame, shape (2, 3), m.
+    #[getter]
+    fn reach_box<'py>(&self, py: Python<'py>) -> Array<'py> {
+        let reach = self.0.reach();
+        array(py, &[2, 3], [reach.lower, reach.upper].concat())
+    }
+
+    /// Return the chain with another tool, shape (4, 4), m.
+    fn with_tool(&self, tool: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Self::wrap(tool.py(), self.0.with_tool(transform("tool", tool)?))
+    }
+
+    /// Return the chain with another base, shape (4, 4), m.
+    fn with_base(&self, base: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Self::wrap(base.py(), self.0.with_base(transform("base", base)?))
+    }
+
+    /// Return the chain under another name.
+    fn with_name(&self, name: &str) -> Self {
+        Self(Arc::new(chain::Chain::clone(&self.0).with_name(name)))
+    }
+
+    /// Return tool poses, shape (..., 4, 4), of joint values, shape (..., dof).
+    fn fk<'py>(&self, q: &Bound<'py, PyAny>) -> Array<'py> {
+        kinematics::fk(&self.0, q)
+    }
+
+    /// Return link poses, shape (..., links, 4, 4), of joint values, shape (..., dof).
+    fn fk_links<'py>(&self, q: &Bound<'py, PyAny>) -> Array<'py> {
+        kinematics::fk_links(&self.0, q)
+    }
+
+    /// Return geometric Jacobians, shape (..., 6, dof), linear rows first.
+    fn jacobian<'py>(&self, q: &Bound<'py, PyAny>) -> Array<'py> {
+        kinematics::jacobian(&self.0, q)
+    }
+
+    /// Solve a batch of targets; see `agrik_fast.Robot.ik`.
+    #[pyo3(signature = (
+        targets, task=None, solver=None, q0=None, seed=None, tool=None, threads=None,
+        position_tolerance=None, orientation_tolerance=None, first_index=None
+    ))]
+    #[allow(clippy::too_many_arguments)]
+    fn ik(
+        &self,
+        py: Python<'_>,
+        targets: &Bound<'_, PyAny>,
+        task: Option<&Bound<'_, PyAny>>,
+        solver: Option<&Bound<'_, PyAny>>,
+        q0: Option<&Bound<'_, PyAny>>,
+        seed: Option<&Bound<'_, PyAny>>,
+        tool: Option<&Bound<'_, PyAny>>,
+        threads: Option<&Bound<'_, PyAny>>,
+        position_tolerance: Option<&Bound<'_, PyAny>>,
+        orientation_tolerance: Option<&Bound<'_, PyAny>>,
+        first_index: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<IkResult> {
+        let given = Arguments {
+            targets,
+            task,
+            solver,
+            q0,
+            seed,
+            tool,
+            threads,
+            position_tolerance,
+            orientation_tolerance,
+            first_index,
+        };
+        ik::solve(py, &self.0, &given)
+    }
+}

@@ -1,0 +1,70 @@
+//! Exceptions: the classes of `agrik_fast.errors`, raised from here.
+
+use agrik::Error;
+use pyo3::call::PyCallArgs;
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyType;
+
+/// A class of `agrik_fast.errors`, imported once.
+struct Class {
+    name: &'static str,
+    class: PyOnceLock<Py<PyType>>,
+}
+
+impl Class {
+    const fn new(name: &'static str) -> Self {
+        Self { name, class: PyOnceLock::new() }
+    }
+
+    fn with<'py>(&self, py: Python<'py>, args: impl PyCallArgs<'py>) -> PyErr {
+        let class = self.class.import(py, "agrik_fast.errors", self.name);
+        match class.and_then(|class| class.call1(args)) {
+            Ok(exception) => PyErr::from_value(exception),
+            // What kept the exception from being made says more than nothing.
+            Err(error) => error,
+        }
+    }
+}
+
+static ARGUMENT_ERROR: Class = Class::new("ArgumentError");
+static UNKNOWN_NAME_ERROR: Class = Class::new("UnknownNameError");
+static URDF_ERROR: Class = Class::new("UrdfError");
+
+/// An `ArgumentError`: which argument, what came, what was expected.
+pub fn argument(py: Python<'_>, argument: &str, received: &str, expected: &str) -> PyErr {
+    ARGUMENT_ERROR.with(py, (argument, received, expected))
+}
+
+/// An `ArgumentError` that shows the value that came.
+pub fn value(argument_name: &str, received: &Bound<'_, PyAny>, expected: &str) -> PyErr {
+    let text = received.repr().map_or_else(|_| "an object".to_owned(), |text| text.to_string());
+    argument(received.py(), argument_name, &text, expected)
+}
+
+/// An `UnknownNameError`, which finds the nearest of the known names itself.
+pub fn unknown_name(py: Python<'_>, kind: &str, name: &str, known: &[&str]) -> PyErr {
+    UNKNOWN_NAME_ERROR.with(py, (kind, name, known.to_vec()))
+}
+
+/// The exception that stands for an error of the core.
+pub fn from_core(py: Python<'_>, error: Error) -> PyErr {
+    match error {
+        Error::Argument { argument: name, received, expected } => {
+            argument(py, &name, &received, &expected)
+        }
+        Error::Urdf(message) => URDF_ERROR.with(py, (message,)),
+        Error::Interrupted => PyKeyboardInterrupt::new_err(()),
+    }
+}
+
+/// Warns who imports a build without optimisation: it is many times slower.
+pub fn warn_of_debug_build(py: Python<'_>) -> PyResult<()> {
+    if cfg!(debug_assertions) {
+        let category = py.get_type::<pyo3::exceptions::PyRuntimeWarning>();
+        let message = c"agrik_fast was built without optimisation; build it with --release";
+        PyErr::warn(py, &category, message, 1)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,213 @@
+//! Inverse kinematics calls: arguments in, interpreter released, record of answers out.
+//!
+//! A call has two halves: [`Options`], everything that stays the same from call to call
+//! of a control loop, and the targets with their starts. A reusable solver object for
+//! control loops keeps the first half and its buffers, and only takes the second.
+
+use std::time::{Duration, Instant};
+
+use agrik::batch;
+use agrik::chain::{Chain, Tail};
+use agrik::solve::{Plan, Settings, Starts, Tolerance};
+use numpy::PyUntypedArrayMethods;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+
+use crate::convert::{self, Floats, numbers, shape_text, transform};
+use crate::result::IkResult;
+use crate::targets::{Targets, first_not_rigid, goals, not_rigid_error};
+use crate::{errors, solver, task, threads};
+
+/// Time between two looks at pending signals of a call that has released the interpreter
+/// and has to wait for it each time. Results do not depend on it.
+const DETACHED_PERIOD: Duration = Duration::from_millis(50);
+/// The same for a call that holds the interpreter, which others may be waiting for: as
+/// long as Python itself lets a thread run.
+const ATTACHED_PERIOD: Duration = Duration::from_millis(5);
+
+/// Arguments of a call as Python gave them.
+pub struct Arguments<'a, 'py> {
+    pub targets: &'a Bound<'py, PyAny>,
+    pub task: Option<&'a Bound<'py, PyAny>>,
+    pub solver: Option<&'a Bound<'py, PyAny>>,
+    pub q0: Option<&'a Bound<'py, PyAny>>,
+    pub seed: Option<&'a Bound<'py, PyAny>>,
+    pub tool: Option<&'a Bound<'py, PyAny>>,
+    pub threads: Option<&'a Bound<'py, PyAny>>,
+    pub position_tolerance: Option<&'a Bound<'py, PyAny>>,
+    pub orientation_tolerance: Option<&'a Bound<'py, PyAny>>,
+    pub first_index: Option<&'a Bound<'py, PyAny>>,
+}
+
+/// What the targets of a call share.
+struct Options {
+    wanted: task::Wanted,
+    settings: Settings,
+    tolerance: Tolerance,
+    tail: Option<Tail>,
+    seed: u64,
+    first_index: u64,
+    threads: usize,
+}
+
+impl Options {
+    fn new(chain: &Chain, given: &Arguments<'_, '_>, are_poses: bool) -> PyResult<Self> {
+        let index = |name: &str, value: Option<&Bound<'_, PyAny>>| {
+            value.map_or(Ok(0), |value| convert::whole(name, value, 0, u64::MAX))
+        };
+        let mut tolerance = Tolerance::default();
+        if let Some(value) = given.position_tolerance {
+            tolerance.position = convert::real("position_tolerance", value)?;
+        }
+        if let Some(value) = given.orientation_tolerance {
+            tolerance.orientation = convert::real("orientation_tolerance", value)?;
+        }
+        let tail = match given.tool {
+            None => None,
+            Some(tool) => Some(chain.compiled().tail_with(&transform("tool", tool)?)),
+        };
+        Ok(Self {
+            wanted: task::wanted(given.task, are_poses)?,
+            settings: solver::settings(given.solver)?,
+            tolerance,
+            tail,
+            seed: index("seed", given.seed)?,
+            first_index: index("first_index", given.first_index)?,
+            threads: threads::number(given.threads, "threads")?,
+        })
+    }
+}
+
+/// Start values as they came, in memory of our own.
+enum Given<'py> {
+    Nothing,
+    One(Floats<'py>),
+    Each(Floats<'py>),
+}
+
+impl<'py> Given<'py> {
+    fn new(q0: Option<&Bound<'py, PyAny>>, leading: &[usize], dof: usize) -> PyResult<Self> {
+        static BROADCAST_TO: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+        let Some(q0) = q0 else {
+            return Ok(Self::Nothing);
+        };
+        let py = q0.py();
+        let array = numbers("q0", q0)?;
+        if array.shape() == [dof] {
+            return Ok(Self::One(Floats::new("q0", array.as_any())?));
+        }
+        let mut shape = leading.to_vec();
+        shape.push(dof);
+        let refuse = || {
+            let expected = format!("({dof},), or one that broadcasts to {}", shape_text(&shape));
+            convert::wrong_shape(py, "q0", array.shape(), &expected)
+        };
+        // Broadcasting would also stretch a last dimension of 1.
+        if array.shape().last() != Some(&dof) {
+            return Err(refuse());
+        }
+        let broadcast_to = BROADCAST_TO.import(py, "numpy", "broadcast_to")?;
+        let full = broadcast_to.call1((&array, &shape)).map_err(|_| refuse())?;
+        Ok(Self::Each(Floats::new("q0", &full)?))
+    }
+
+    fn starts(&self) -> PyResult<Starts<'_>> {
+        Ok(match self {
+            Self::Nothing => Starts::Free,
+            Self::One(q) => Starts::One(q.values()?),
+            Self::Each(q) => Starts::Each(q.values()?),
+        })
+    }
+}
+
+/// Solves the targets of a call.
+pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResult<IkResult> {
+    let targets = Targets::new(given.targets)?;
+    let are_poses = targets.are_poses();
+    let options = Options::new(chain, given, are_poses)?;
+    let leading = targets.leading_shape();
+    let q0 = Given::new(given.q0, leading, chain.dof())?;
+
+    let values = targets.values()?;
+    if are_poses {
+        let poses: &[[f64; 16]] = values.as_chunks().0;
+        // Reading a long batch takes a while, during which others may run.
+        let found = if poses.len() > 1 {
+            py.detach(|| first_not_rigid(poses))
+        } else {
+            first_not_rigid(poses)
+        };
+        if let Some(row) = found {
+            return Err(not_rigid_error(py, leading, row, &poses[row]));
+        }
+    }
+    let mut points = Vec::new();
+    let direction = options.wanted.direction;
+    let plan = Plan::new(
+        chain,
+        options.wanted.task,
+        options.settings,
+        options.tolerance,
+        goals(values, are_poses, direction, &mut points),
+        q0.starts()?,
+        options.tail,
+        options.seed,
+        options.first_index,
+    )
+    .map_err(|error| errors::from_core(py, error))?;
+
+    let mut signals = Signals::new();
+    let answers = if plan.len() <= 1 {
+        batch::solve(&plan, 1, &mut || signals.go_on_attached(py))
+    } else {
+        py.detach(|| batch::solve(&plan, options.threads, &mut || signals.go_on_detached()))
+    };
+    match answers {
+        Ok(answers) => Ok(IkResult::new(leading.to_vec(), chain.dof(), answers)),
+        Err(error) => Err(signals.raised.unwrap_or_else(|| errors::from_core(py, error))),
+    }
+}
+
+/// Asks Python from time to time whether a signal (Ctrl-C) ends the call.
+struct Signals {
+    last: Instant,
+    raised: Option<PyErr>,
+}
+
+impl Signals {
+    fn new() -> Self {
+        Self { last: Instant::now(), raised: None }
+    }
+
+    fn is_due(&mut self, period: Duration) -> bool {
+        let due = self.last.elapsed() >= period;
+        if due {
+            self.last = Instant::now();
+        }
+        due
+    }
+
+    /// For a call that has released the interpreter.
+    fn go_on_detached(&mut self) -> bool {
+        !self.is_due(DETACHED_PERIOD) || Python::attach(|py| self.check(py))
+    }
+
+    /// For a short call that has not: lets the other threads have a turn as well.
+    fn go_on_attached(&mut self, py: Python<'_>) -> bool {
+        if !self.is_due(ATTACHED_PERIOD) {
+            return true;
+        }
+        py.detach(|| ());
+        self.check(py)
+    }
+
+    fn check(&mut self, py: Python<'_>) -> bool {
+        match py.check_signals() {
+            Ok(()) => true,
+            Err(error) => {
+                self.raised = Some(error);
+                false
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Forward kinematics and Jacobians of arrays of joint values.
+
+use agrik::chain::Chain;
+use agrik::kinematics::{Workspace, forward, tool_jacobian};
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+
+use crate::convert::{Floats, array, numbers, wrong_shape};
+
+/// Rows from which on the interpreter is released.
+const MANY: usize = 256;
+
+/// Joint values of an argument, in memory of our own.
+enum JointValues<'py> {
+    Lone(Vec<f64>),
+    Many(Floats<'py>),
+}
+
+impl<'py> JointValues<'py> {
+    fn new(q: &Bound<'py, PyAny>, dof: usize) -> PyResult<Self> {
+        if let Ok(one) = q.cast::<PyArray1<f64>>()
+            && one.len() == dof
+        {
+            return Ok(Self::Lone((0..dof).filter_map(|i| one.get_owned(i)).collect()));
+        }
+        let given = numbers("q", q)?;
+        if given.shape().last() != Some(&dof) {
+            let expected = format!("(..., {dof})");
+            return Err(wrong_shape(q.py(), "q", given.shape(), &expected));
+        }
+        Ok(Self::Many(Floats::new("q", given.as_any())?))
+    }
+
+    fn values(&self) -> PyResult<&[f64]> {
+        match self {
+            Self::Lone(values) => Ok(values),
+            Self::Many(floats) => floats.values(),
+        }
+    }
+
+    /// The leading shape, with the dimensions of one answer behind it.
+    fn shape_with(&self, answer: &[usize]) -> Vec<usize> {
+        let leading = match self {
+            Self::Lone(_) => &[],
+            Self::Many(floats) => floats.shape().split_last().map_or(&[][..], |(_, rest)| rest),
+        };
+        [leading, answer].concat()
+    }
+}
+
+/// Computes one answer of `size` numbers for each row of `q`.
+fn for_each_row<'py>(
+    q: &Bound<'py, PyAny>,
+    chain: &Chain,
+    answer: &[usize],
+    compute: impl Fn(&[f64], &mut Workspace<f64>, &mut [f64]) + Sync,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let py = q.py();
+    let q = JointValues::new(q, chain.dof())?;
+    let shape = q.shape_with(answer);
+    let values = q.values()?;
+    let size: usize = answer.iter().product();
+    let rows = values.len() / chain.dof();
+    let run = || {
+        let mut out = vec![0.0; rows * size];
+        let mut workspace = Workspace::new(chain.compiled());
+        for (q, out) in values.chunks_exact(chain.dof()).zip(out.chunks_exact_mut(size)) {
+            compute(q, &mut workspace, out);
+        }
+        out
+    };
+    let out = if rows < MANY { run() } else { py.detach(run) };
+    array(py, &shape, out)
+}
+
+/// Tool poses, shape (..., 4, 4).
+pub fn fk<'py>(chain: &Chain, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let compiled = chain.compiled();
+    for_each_row(q, chain, &[4, 4], |q, workspace, out| {
+        forward(compiled, q, workspace);
+        let axes = workspace.tool_axes(&compiled.tail.rotation);
+        let point = workspace.tool_point(compiled.tail.translation);
+        for i in 0..3 {
+            out[4 * i..4 * i + 4].copy_from_slice(&[axes[0][i], axes[1][i], axes[2][i], point[i]]);
+        }
+        out[12..16].copy_from_slice(&[0.0, 0.0, 0.0, 1.0]);
+    })
+}
+
+/// Poses of all links and the tool, shape (..., links, 4, 4).
+pub fn fk_links<'py>(
+    chain: &Chain,
+    q: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let links = chain.joints().len() + 1;
+    for_each_row(q, chain, &[links, 4, 4], |q, _, out| {
+        for (pose, out) in chain.link_poses(q).iter().zip(out.chunks_exact_mut(16)) {
+            // The core stores columns.
+            out.copy_from_slice(pose.transpose().as_slice());
+        }
+    })
+}
+
+/// Geometric Jacobians, shape (..., 6, dof).
+pub fn jacobian<'py>(
+    chain: &Chain,
+    q: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    for_each_row(q, chain, &[6, chain.dof()], |q, workspace, out| {
+        tool_jacobian(chain, q, workspace, out);
+    })
+}

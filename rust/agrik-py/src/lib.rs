@@ -1,0 +1,37 @@
+//! Python bindings of `agrik`, the module `agrik_fast._native`: converts and checks
+//! arguments, releases the interpreter around compute, turns errors into exceptions.
+
+mod build;
+mod chain;
+mod convert;
+mod errors;
+mod ik;
+mod kinematics;
+mod result;
+mod solver;
+mod targets;
+mod task;
+mod threads;
+
+use pyo3::prelude::*;
+
+/// The compiled core: chains, kinematics and solvers.
+#[pymodule]
+mod _native {
+    use super::*;
+
+    #[pymodule_export]
+    use chain::Chain;
+    #[pymodule_export]
+    use result::IkResult;
+    #[pymodule_export]
+    use solver::default_settings;
+    #[pymodule_export]
+    use threads::{get_num_threads, set_num_threads, simd_level};
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        errors::warn_of_debug_build(module.py())
+    }
+}

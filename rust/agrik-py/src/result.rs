@@ -1,0 +1,142 @@
+//! The record of a call's answers; its arrays are made when they are asked for.
+
+use std::sync::{Mutex, PoisonError};
+
+use agrik::solve::{Answers, Status};
+use numpy::{Element, PyArrayDyn, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+
+use crate::convert::{array, internal};
+
+/// Numbers that become an array, once, by handing over their memory.
+struct Column<T> {
+    values: Mutex<Vec<T>>,
+    array: PyOnceLock<Py<PyArrayDyn<T>>>,
+}
+
+impl<T: Element + Copy> Column<T> {
+    fn new(values: Vec<T>) -> Self {
+        Self { values: Mutex::new(values), array: PyOnceLock::new() }
+    }
+
+    fn get<'py>(&self, py: Python<'py>, shape: &[usize]) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+        let made = self.array.get_or_try_init(py, || {
+            // The lock is let go before Python runs.
+            let mut locked = self.values.lock().unwrap_or_else(PoisonError::into_inner);
+            let values = std::mem::take(&mut *locked);
+            drop(locked);
+            Ok::<_, PyErr>(array(py, shape, values)?.unbind())
+        })?;
+        Ok(made.bind(py).clone())
+    }
+}
+
+/// Answers of one `Robot.ik` call; arrays have the targets' leading shape.
+#[pyclass(frozen, module = "agrik_fast._native")]
+pub struct IkResult {
+    shape: Vec<usize>,
+    dof: usize,
+    /// Rows by status.
+    counts: [usize; 4],
+    q: Column<f64>,
+    status: Column<u8>,
+    success: PyOnceLock<Py<PyArrayDyn<bool>>>,
+    position_error: Column<f64>,
+    orientation_error: Column<f64>,
+    iterations: Column<u32>,
+    restarts: Column<u32>,
+}
+
+impl IkResult {
+    /// The record of answers to targets of a leading shape.
+    pub fn new(shape: Vec<usize>, dof: usize, answers: Answers) -> Self {
+        let mut counts = [0; 4];
+        for status in &answers.status {
+            if let Some(count) = counts.get_mut(usize::from(*status)) {
+                *count += 1;
+            }
+        }
+        Self {
+            shape,
+            dof,
+            counts,
+            q: Column::new(answers.q),
+            status: Column::new(answers.status),
+            success: PyOnceLock::new(),
+            position_error: Column::new(answers.position_error),
+            orientation_error: Column::new(answers.orientation_error),
+            iterations: Column::new(answers.iterations),
+            restarts: Column::new(answers.restarts),
+        }
+    }
+}
+
+#[pymethods]
+impl IkResult {
+    /// Joint values, shape (..., dof), rad or m; the best found where unsolved.
+    #[getter]
+    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let mut shape = self.shape.clone();
+        shape.push(self.dof);
+        self.q.get(py, &shape)
+    }
+
+    /// True only where a final FK check met the tolerances and the limits.
+    #[getter]
+    fn success<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<bool>>> {
+        let made = self.success.get_or_try_init(py, || {
+            let status = self.status(py)?.try_readonly().map_err(internal)?;
+            let status = status.as_slice().map_err(internal)?;
+            let success = status.iter().map(|s| *s == Status::Converged as u8).collect();
+            Ok::<_, PyErr>(array(py, &self.shape, success)?.unbind())
+        })?;
+        Ok(made.bind(py).clone())
+    }
+
+    /// Codes of `agrik_fast.Status`.
+    #[getter]
+    fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
+        self.status.get(py, &self.shape)
+    }
+
+    /// Distance of the tool point from the target, m; infinite for bad input.
+    #[getter]
+    fn position_error<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.position_error.get(py, &self.shape)
+    }
+
+    /// Angle left to the target orientation, rad; 0 for position tasks.
+    #[getter]
+    fn orientation_error<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.orientation_error.get(py, &self.shape)
+    }
+
+    /// Steps taken, over all attempts.
+    #[getter]
+    fn iterations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u32>>> {
+        self.iterations.get(py, &self.shape)
+    }
+
+    /// Attempts after the first.
+    #[getter]
+    fn restarts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u32>>> {
+        self.restarts.get(py, &self.shape)
+    }
+
+    fn __repr__(&self) -> String {
+        let names = ["converged", "out of reach", "not found", "bad input"];
+        let parts: Vec<String> = self
+            .counts
+            .iter()
+            .zip(names)
+            .filter(|(count, _)| **count > 0)
+            .map(|(count, name)| format!("{count} {name}"))
+            .collect();
+        let total: usize = self.counts.iter().sum();
+        let plural = if total == 1 { "" } else { "s" };
+        let outcome =
+            if parts.is_empty() { String::new() } else { format!(": {}", parts.join(", ")) };
+        format!("IkResult({total} target{plural}{outcome})")
+    }
+}

@@ -1,0 +1,30 @@
+"""What every test file shares: settings of hypothesis, the checkout's folder, loaded robots."""
+
+import functools
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import hypothesis
+import pytest
+
+import agrik_fast
+
+# A deadline would make the tests depend on how busy the machine is. The continuous
+# integration always draws the same examples; a developer's runs draw new ones.
+hypothesis.settings.register_profile(
+    "agrik_fast", deadline=None, derandomize=bool(os.environ.get("CI"))
+)
+hypothesis.settings.load_profile("agrik_fast")
+
+
+@pytest.fixture(scope="session")
+def repo_root() -> Path:
+    """Return the folder that holds pyproject.toml."""
+    return Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="session")
+def load_robot() -> Callable[[str], agrik_fast.Robot]:
+    """Return `Robot.load` that reads each robot once."""
+    return functools.cache(agrik_fast.Robot.load)

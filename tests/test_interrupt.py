@@ -1,0 +1,75 @@
+"""Ctrl-C ends a call soon, and other threads go on meanwhile."""
+
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import agrik_fast as ik
+from agrik_fast import solvers
+
+# Nearly stretched out, which the elbow's limits forbid: no bound proves it, and every
+# restart fails. The caps are so high that only a signal ends the call.
+SCRIPT = """
+import sys
+import numpy as np
+import agrik_fast as ik
+
+arm = ik.Robot.from_dh([[1, 0, 0, 0], [1, 0, 0, 0]], limits=[[-3, 3], [1, 2]])
+targets = np.tile([1.9, 0, 0], (int(sys.argv[1]), 1))
+solver = ik.solvers.LevenbergMarquardt(max_restarts=int(sys.argv[3]))
+if sys.argv[1] == "0":
+    targets = targets.reshape(-1)[:0]
+print("started", flush=True)
+try:
+    arm.ik(targets, solver=solver, threads=int(sys.argv[2]))
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+
+
+@pytest.mark.parametrize(
+    ("rows", "threads", "restarts"),
+    [(1, 1, 2**32 - 1), (100, 2, 2**32 - 1), (2_000_000, 1, 1000), (2_000_000, 2, 1000)],
+)
+def test_a_signal_ends_a_long_call(rows, threads, restarts):
+    command = [sys.executable, "-c", SCRIPT, str(rows), str(threads), str(restarts)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout.readline() == "started\n"
+            time.sleep(0.5)
+            assert process.poll() is None, "ended before the signal"
+            sent = time.monotonic()
+            process.send_signal(signal.SIGINT)
+            out, _ = process.communicate(timeout=60)
+            # A second is promised; a busy machine may take longer to notice.
+            assert time.monotonic() - sent < 5
+        finally:
+            process.kill()
+    assert out == "interrupted\n"
+    assert process.returncode == 0
+
+
+@pytest.mark.parametrize("rows", [1, 1000])
+def test_other_threads_run_during_a_call(rows):
+    arm = ik.Robot.from_dh([[1, 0, 0, 0], [1, 0, 0, 0]], limits=[[-3, 3], [1, 2]])
+    targets = np.tile([1.9, 0, 0], (rows, 1))
+    solver = solvers.LevenbergMarquardt(max_restarts=300_000 // rows)
+    done = threading.Event()
+
+    def work():
+        arm.ik(targets, solver=solver, threads=1)
+        done.set()
+
+    turns = 0
+    thread = threading.Thread(target=work)
+    thread.start()
+    while not done.is_set():
+        turns += 1
+        time.sleep(0.001)
+    thread.join()
+    assert turns > 3
