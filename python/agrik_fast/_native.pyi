@@ -216,6 +216,17 @@ class Chain:
     ) -> IkResult:
         """Solve a batch of targets; see `agrik_fast.Robot.ik`."""
 
+    def cost_history(
+        self,
+        target: ArrayLike,
+        solver: Solver | str,
+        task: Task | str | None = None,
+        q0: ArrayLike | None = None,
+        seed: int | None = None,
+        tool: ArrayLike | None = None,
+    ) -> NDArray[np.float64]:
+        """Return the best cost of a population solver's first run, generation by generation."""
+
 @final
 class IkResult:
     """Answers of one `Robot.ik` call; arrays have the targets' leading shape."""
@@ -248,7 +259,7 @@ class IkResult:
     def restarts(self) -> NDArray[np.uint32]:
         """Attempts after the first."""
 
-def default_settings() -> dict[str, dict[str, float]]:
+def default_settings() -> dict[str, dict[str, object]]:
     """Return the default settings of each solver, by the solver's name.
 
     Returns

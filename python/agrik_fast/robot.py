@@ -17,7 +17,7 @@ from .errors import UnknownNameError
 
 if TYPE_CHECKING:
     from .result import IkResult
-    from .solvers import Solver
+    from .solvers import DifferentialEvolution, GeneticAlgorithm, Solver
     from .tasks import Task
 
 __all__ = ["DhRow", "Robot"]
@@ -377,7 +377,7 @@ class Robot:
         task : task or {"position", "pose", "axis"}, optional
             What counts as reached, see `agrik_fast.tasks`. Default: "pose" for shape
             (..., 4, 4), "position" for (..., 3).
-        solver : solver or {"lm", "dls", "pinv", "transpose"}, default "lm"
+        solver : solver or {"lm", "dls", "pinv", "transpose", "de", "ga"}, default "lm"
             How to get there, see `agrik_fast.solvers`.
         q0 : array_like, shape broadcastable to (..., n), rad or m, optional
             Start values of the first attempt. Default: chosen from the seed.
@@ -425,6 +425,39 @@ class Robot:
             orientation_tolerance,
             first_index,
         )
+
+    def cost_history(
+        self,
+        target: ArrayLike,
+        solver: DifferentialEvolution | GeneticAlgorithm | str = "de",
+        task: Task | str | None = None,
+        q0: ArrayLike | None = None,
+        seed: int = 0,
+        tool: ArrayLike | None = None,
+    ) -> FloatArray:
+        """Best cost of a population solver, generation by generation.
+
+        Parameters
+        ----------
+        target : array_like, shape (4, 4) or (3,)
+            Pose of the tool, or position of the tool point, in the base frame; m.
+        solver : DifferentialEvolution, GeneticAlgorithm, "de" or "ga"
+            The search.
+        task, q0, seed, tool : optional
+            As in `ik`.
+
+        Returns
+        -------
+        ndarray, shape (generations + 1,)
+            Cost of the best individual of the first population and after each generation
+            of the first run of `ik` with the same arguments; weights of the solver.
+
+        Raises
+        ------
+        ArgumentError
+            A step solver, several targets, or a wrong argument as in `ik`.
+        """
+        return self._chain.cost_history(target, solver, task, q0, seed, tool)
 
     def with_tool(self, tool: ArrayLike) -> Robot:
         """Return the same robot with another tool.

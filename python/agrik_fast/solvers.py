@@ -1,7 +1,8 @@
 """Solvers: how a target is reached.
 
-Pass one to `Robot.ik` as an object or, with its defaults, by its name. All solvers
-here are *step solvers*: one loop tests for convergence, takes a step within the joint
+Pass one to `Robot.ik` as an object or, with its defaults, by its name. There are two
+kinds. *Population solvers* (`agrik_fast.population`) search the whole range of the joints
+with many postures at once. *Step solvers*, defined here, share one loop: it tests for convergence, takes a step within the joint
 limits, and restarts when an attempt has used up its iterations, from the best of a few
 postures that are drawn at random. They differ in how the step is computed.
 
@@ -16,12 +17,16 @@ from typing import ClassVar, TypeAlias
 
 from ._checks import real_number, whole_number
 from .errors import ArgumentError
+from .population import DifferentialEvolution, GeneticAlgorithm
 
 __all__ = [
     "DampedLeastSquares",
+    "DifferentialEvolution",
+    "GeneticAlgorithm",
     "LevenbergMarquardt",
     "PseudoInverse",
     "Solver",
+    "StepSolver",
     "Transpose",
 ]
 
@@ -29,7 +34,7 @@ __all__ = [
 _LARGEST_COUNT = 2**32 - 1
 
 
-def _check_loop(solver: Solver) -> None:
+def _check_loop(solver: StepSolver) -> None:
     kind = type(solver).__name__
     whole_number(f"{kind}.max_iterations", solver.max_iterations, 1, _LARGEST_COUNT)
     whole_number(f"{kind}.max_restarts", solver.max_restarts, 0, _LARGEST_COUNT)
@@ -194,5 +199,8 @@ class Transpose:
         _check_loop(self)
 
 
-Solver: TypeAlias = LevenbergMarquardt | DampedLeastSquares | PseudoInverse | Transpose
+StepSolver: TypeAlias = LevenbergMarquardt | DampedLeastSquares | PseudoInverse | Transpose
+"""Any step solver."""
+
+Solver: TypeAlias = StepSolver | DifferentialEvolution | GeneticAlgorithm
 """Any solver."""

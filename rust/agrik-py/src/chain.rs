@@ -209,4 +209,33 @@ impl Chain {
         };
         ik::solve(py, &self.0, &given)
     }
+
+    /// Return the best cost of a population solver's first run, generation by generation.
+    #[pyo3(signature = (target, solver, task=None, q0=None, seed=None, tool=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn cost_history<'py>(
+        &self,
+        py: Python<'py>,
+        target: &Bound<'py, PyAny>,
+        solver: &Bound<'py, PyAny>,
+        task: Option<&Bound<'py, PyAny>>,
+        q0: Option<&Bound<'py, PyAny>>,
+        seed: Option<&Bound<'py, PyAny>>,
+        tool: Option<&Bound<'py, PyAny>>,
+    ) -> Array<'py> {
+        let given = Arguments {
+            targets: target,
+            task,
+            solver: Some(solver),
+            q0,
+            seed,
+            tool,
+            threads: None,
+            position_tolerance: None,
+            orientation_tolerance: None,
+            first_index: None,
+        };
+        let costs = ik::cost_history(py, &self.0, &given)?;
+        array(py, &[costs.len()], costs)
+    }
 }

@@ -7,6 +7,7 @@ mod convert;
 mod errors;
 mod ik;
 mod kinematics;
+mod population;
 mod result;
 mod solver;
 mod targets;

@@ -1,41 +1,64 @@
 //! Solvers: from a name or an object of `agrik_fast.solvers` to the core's settings.
 
-use agrik::solve::{Settings, Step};
+use agrik::solve::{Settings, Step, population as core_population};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::convert::{real, whole};
-use crate::errors;
+use crate::{errors, population};
 
-const KNOWN: [(&str, Settings); 4] = [
+const STEPS: [(&str, Settings); 4] = [
     ("lm", Settings::LEVENBERG_MARQUARDT),
     ("dls", Settings::DAMPED),
     ("pinv", Settings::PSEUDO_INVERSE),
     ("transpose", Settings::TRANSPOSE),
 ];
 
-fn named(py: Python<'_>, name: &str) -> PyResult<Settings> {
-    match KNOWN.iter().find(|(known, _)| *known == name) {
-        Some((_, settings)) => Ok(*settings),
-        None => Err(errors::unknown_name(py, "solver", name, &KNOWN.map(|(known, _)| known))),
+/// The solver of a call.
+#[derive(Debug, Clone, Copy)]
+pub enum Chosen {
+    Step(Settings),
+    Population(core_population::Settings),
+}
+
+fn names() -> Vec<&'static str> {
+    let steps = STEPS.iter().map(|(name, _)| *name);
+    steps.chain(population::KNOWN.iter().map(|(name, _)| *name)).collect()
+}
+
+fn named(py: Python<'_>, name: &str) -> PyResult<Chosen> {
+    if let Some((_, settings)) = STEPS.iter().find(|(known, _)| *known == name) {
+        return Ok(Chosen::Step(*settings));
+    }
+    match population::KNOWN.iter().find(|(known, _)| *known == name) {
+        Some((_, settings)) => Ok(Chosen::Population(*settings)),
+        None => Err(errors::unknown_name(py, "solver", name, &names())),
     }
 }
 
-/// The settings meant by nothing (the default), a name or an object with the fields of
-/// that solver.
-pub fn settings(solver: Option<&Bound<'_, PyAny>>) -> PyResult<Settings> {
+/// The solver meant by nothing (the default), a name or an object with the fields of that
+/// solver.
+pub fn chosen(solver: Option<&Bound<'_, PyAny>>) -> PyResult<Chosen> {
     let Some(solver) = solver else {
-        return Ok(Settings::LEVENBERG_MARQUARDT);
+        return Ok(Chosen::Step(Settings::LEVENBERG_MARQUARDT));
     };
     let py = solver.py();
     if let Ok(name) = solver.cast::<PyString>() {
         return named(py, name.to_str()?);
     }
     let name = solver.getattr("name").and_then(|name| name.extract::<String>()).map_err(|_| {
-        let expected = "a solver of agrik_fast.solvers or one of lm, dls, pinv, transpose";
-        errors::value("solver", solver, expected)
+        let expected = format!("a solver of agrik_fast.solvers or one of {}", names().join(", "));
+        errors::value("solver", solver, &expected)
     })?;
-    let mut settings = named(py, &name)?;
+    match named(py, &name)? {
+        Chosen::Step(defaults) => Ok(Chosen::Step(step_settings(solver, defaults)?)),
+        Chosen::Population(defaults) => {
+            Ok(Chosen::Population(population::settings(solver, defaults)?))
+        }
+    }
+}
+
+fn step_settings(solver: &Bound<'_, PyAny>, mut settings: Settings) -> PyResult<Settings> {
     let field = |name: &str| solver.getattr(name);
     let count = |name: &str| Ok::<_, PyErr>(whole(name, &field(name)?, 0, u32::MAX.into())? as u32);
     match &mut settings.step {
@@ -55,7 +78,7 @@ pub fn settings(solver: Option<&Bound<'_, PyAny>>) -> PyResult<Settings> {
 #[pyfunction]
 pub fn default_settings(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let all = PyDict::new(py);
-    for (name, settings) in KNOWN {
+    for (name, settings) in STEPS {
         let fields = PyDict::new(py);
         match settings.step {
             Step::Transpose => {}
@@ -68,6 +91,9 @@ pub fn default_settings(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         fields.set_item("max_restarts", settings.max_restarts)?;
         fields.set_item("max_step", settings.max_step)?;
         all.set_item(name, fields)?;
+    }
+    for (name, settings) in &population::KNOWN {
+        all.set_item(name, population::fields(py, settings)?)?;
     }
     Ok(all)
 }

@@ -157,9 +157,7 @@ impl Chain {
         for joint in &self.joints {
             let value = match (&joint.mimic, joint.kind) {
                 (_, JointKind::Fixed) => 0.0,
-                (Some(m), _) => {
-                    index_of(&m.source).map_or(0.0, |i| m.multiplier * q[i] + m.offset)
-                }
+                (Some(m), _) => index_of(&m.source).map_or(0.0, |i| m.multiplier * q[i] + m.offset),
                 (None, _) => index_of(&joint.name).map_or(0.0, |i| q[i]),
             };
             pose = pose * joint.origin * compiled::motion(joint, value) * joint.after;

@@ -192,8 +192,12 @@ impl Interval {
         Self { lower: a.min(b), upper: a.max(b) }
     }
     fn mul(self, o: Self) -> Self {
-        let products =
-            [self.lower * o.lower, self.lower * o.upper, self.upper * o.lower, self.upper * o.upper];
+        let products = [
+            self.lower * o.lower,
+            self.lower * o.upper,
+            self.upper * o.lower,
+            self.upper * o.upper,
+        ];
         Self {
             lower: products.iter().copied().fold(f64::INFINITY, f64::min),
             upper: products.iter().copied().fold(f64::NEG_INFINITY, f64::max),

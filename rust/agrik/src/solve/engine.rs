@@ -4,16 +4,13 @@
 //! given the next one at once. With a one-lane number type this is an ordinary loop over
 //! targets.
 
-use super::plan::{AnswersMut, Outcome, Plan, Status};
+use super::plan::{AnswersMut, INSIDE, Outcome, Plan, Status};
 use super::step::{Step, dot, squared_norm};
 use crate::chain::{JointKind, Variable};
 use crate::kinematics::{Workspace, columns, forward};
 use crate::lanes::Real;
 use crate::task::{AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task, TaskError};
 
-/// Share of the tolerance that the loop itself allows, so that rounding in a later check
-/// cannot turn a reached target into a missed one.
-const INSIDE: f64 = 1.0 - 1e-6;
 /// An attempt whose error is below this share of the robot's size is closing in on a
 /// solution, slowly where that is singular: it gets so many times the usual steps.
 const NEAR: f64 = 1e-2;
@@ -179,10 +176,9 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
                 }
             }
             let error = self.evaluate();
-            let reached = R::bits(R::and(
-                error.position2.le(position2),
-                error.orientation2.le(orientation2),
-            )) & busy;
+            let reached =
+                R::bits(R::and(error.position2.le(position2), error.orientation2.le(orientation2)))
+                    & busy;
             let near = R::bits(squared_norm(&error.rows).lt(R::splat(self.near2)));
             let mut ended = (reached | stalled) & busy;
             for (lane, job) in self.jobs.iter().enumerate() {

@@ -1,11 +1,14 @@
-//! Step solvers: one loop with an exchangeable step, one record of answers.
+//! Solvers: step solvers, which share one loop, and population solvers, which share one
+//! evaluator; one record of answers.
 
 mod engine;
 mod linear;
 mod plan;
+pub mod population;
+mod rows;
 mod start;
 mod step;
 
-pub use engine::run;
 pub use plan::{Answers, AnswersMut, Goals, Plan, Starts, Status, Tolerance};
+pub use rows::Solve;
 pub use step::{Settings, Step};

@@ -1,9 +1,20 @@
 //! What goes into a call (goals, starts, settings) and what comes out of it (answers).
 
-use super::{Settings, start::{Ranking, Sampler}};
+use super::{
+    Settings,
+    start::{Ranking, Sampler},
+};
 use crate::chain::{Chain, Reach, Tail};
 use crate::error::{Error, Result};
-use crate::task::{Goal, Task, axis_goal, pose_goal, rotation_scale, unit};
+use crate::kinematics::Workspace;
+use crate::task::{
+    AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task, axis_goal, pose_goal,
+    rotation_scale, unit,
+};
+
+/// Share of the tolerance that solvers themselves allow, so that rounding in a later check
+/// cannot turn a reached target into a missed one.
+pub(super) const INSIDE: f64 = 1.0 - 1e-6;
 
 /// What became of a target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -151,8 +162,11 @@ impl<'a> Plan<'a> {
         let rotation_scale = rotation_scale(compiled, chain.reach().radius);
         let ranking = ranking(&task, &tail, rotation_scale);
         let tool_reach = Reach::with_tail(compiled, chain.variables(), &tail);
-        let wrist_reach =
-            if task.fixes_pose() { Reach::of_last_joint(compiled, chain.variables()) } else { None };
+        let wrist_reach = if task.fixes_pose() {
+            Reach::of_last_joint(compiled, chain.variables())
+        } else {
+            None
+        };
         Ok(Self {
             chain,
             task,
@@ -179,6 +193,42 @@ impl<'a> Plan<'a> {
     /// The chain.
     pub fn chain(&self) -> &'a Chain {
         self.chain
+    }
+
+    /// The same call with other targets, starts and step settings: a solver's own subtask.
+    pub(super) fn with<'b>(
+        &'b self,
+        goals: Goals<'b>,
+        starts: Starts<'b>,
+        settings: Settings,
+    ) -> Plan<'b> {
+        Plan { goals, starts, settings, ..self.clone() }
+    }
+
+    /// Squared distance (m^2) and angle (rad^2) between a posture and a goal.
+    pub(super) fn errors(&self, at: &Workspace<f64>, goal: &Goal<f64>) -> (f64, f64) {
+        let tool = at.tool_point(self.tail.translation);
+        let scale = 1.0;
+        match self.task {
+            Task::Position => {
+                let e = PositionRows.error(at, tool, goal);
+                (e.position2, e.orientation2)
+            }
+            Task::Pose => {
+                let e = PoseRows { scale }.error(at, tool, goal);
+                (e.position2, e.orientation2)
+            }
+            Task::Axis { tool_axis } => {
+                let axis = self.tail.direction(tool_axis);
+                let e = AxisRows { scale, axis }.error(at, tool, goal);
+                (e.position2, e.orientation2)
+            }
+            Task::Masked { weights, frame } => {
+                let tool_axes = self.tail.rotation;
+                let e = MaskedRows { scale, weights, frame, tool: tool_axes }.error(at, tool, goal);
+                (e.position2, e.orientation2)
+            }
+        }
     }
 
     /// The goal of target `row`, or `None` where it or its start is not finite.
@@ -356,17 +406,22 @@ impl<'a> AnswersMut<'a> {
             .zip(self.iterations.chunks_mut(size))
             .zip(self.restarts.chunks_mut(size))
             .enumerate()
-            .map(|(i, (((((q, status), position_error), orientation_error), iterations), restarts))| {
-                AnswersMut {
-                    first: self.first + i * size,
-                    q,
-                    status,
-                    position_error,
-                    orientation_error,
-                    iterations,
-                    restarts,
-                }
-            })
+            .map(
+                |(
+                    i,
+                    (((((q, status), position_error), orientation_error), iterations), restarts),
+                )| {
+                    AnswersMut {
+                        first: self.first + i * size,
+                        q,
+                        status,
+                        position_error,
+                        orientation_error,
+                        iterations,
+                        restarts,
+                    }
+                },
+            )
             .collect()
     }
 

@@ -49,12 +49,17 @@ impl<'a> Sampler<'a> {
         Self { seed, first_index, ranges: ranges(chain), postures, ranking }
     }
 
+    /// What alone decides the random numbers of an attempt at a target.
+    #[inline(always)]
+    pub fn key(&self, row: usize, attempt: u32) -> u64 {
+        let index = self.first_index.wrapping_add(row as u64);
+        mix(mix(mix(self.seed ^ 0x9e37_79b9_7f4a_7c15) ^ index) ^ u64::from(attempt))
+    }
+
     /// The start of attempt `attempt` at target `row`.
     #[inline(always)]
     pub fn sample(&self, row: usize, attempt: u32, goal: &Goal<f64>, q: &mut [f64]) {
-        let index = self.first_index.wrapping_add(row as u64);
-        let key = mix(mix(self.seed ^ 0x9e37_79b9_7f4a_7c15) ^ index) ^ u64::from(attempt);
-        let key = mix(key);
+        let key = self.key(row, attempt);
         if attempt % ANYWHERE == ANYWHERE - 1 {
             draw(&mut Xoshiro256PlusPlus::seed_from_u64(key), &self.ranges, q);
             return;
@@ -84,10 +89,8 @@ impl<'a> Sampler<'a> {
                 let at = |row: usize| rows[row][i];
                 let mut distance = 0.0f32;
                 for k in 0..3 {
-                    let tool = at(k)
-                        + at(3 + k) * point[0]
-                        + at(6 + k) * point[1]
-                        + at(9 + k) * point[2];
+                    let tool =
+                        at(k) + at(3 + k) * point[0] + at(6 + k) * point[1] + at(9 + k) * point[2];
                     distance += (tool - to[k]) * (tool - to[k]);
                 }
                 // |a - b|^2 of unit vectors is 2 - 2 a.b, and for small angles their angle
@@ -95,8 +98,8 @@ impl<'a> Sampler<'a> {
                 let mut cosines = 0.0f32;
                 let mut cosine = 0.0f32;
                 for k in 0..3 {
-                    cosines += at(3 + k) * axes[0][k] + at(6 + k) * axes[1][k]
-                        + at(9 + k) * axes[2][k];
+                    cosines +=
+                        at(3 + k) * axes[0][k] + at(6 + k) * axes[1][k] + at(9 + k) * axes[2][k];
                     let d = at(3 + k) * along[0] + at(6 + k) * along[1] + at(9 + k) * along[2];
                     cosine += d * axes[2][k];
                 }
