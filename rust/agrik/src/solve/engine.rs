@@ -179,10 +179,9 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
                 }
             }
             let error = self.evaluate();
-            let reached = R::bits(R::and(
-                error.position2.le(position2),
-                error.orientation2.le(orientation2),
-            )) & busy;
+            let reached =
+                R::bits(R::and(error.position2.le(position2), error.orientation2.le(orientation2)))
+                    & busy;
             let near = R::bits(squared_norm(&error.rows).lt(R::splat(self.near2)));
             let mut ended = (reached | stalled) & busy;
             for (lane, job) in self.jobs.iter().enumerate() {

@@ -66,12 +66,8 @@ impl Settings {
         max_step: 1.0,
     };
     /// Jacobian transpose.
-    pub const TRANSPOSE: Self = Self {
-        step: Step::Transpose,
-        max_iterations: 2000,
-        max_restarts: 20,
-        max_step: 1.0,
-    };
+    pub const TRANSPOSE: Self =
+        Self { step: Step::Transpose, max_iterations: 2000, max_restarts: 20, max_step: 1.0 };
 
     /// Refuses numbers outside their ranges.
     pub fn check(&self) -> Result<()> {
