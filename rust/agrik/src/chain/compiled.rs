@@ -148,9 +148,9 @@ impl Compiled {
         let mut links: Vec<Link> = Vec::new();
         let mut start = IsometryMatrix3::identity();
         for joint in joints {
-            pending = pending * joint.origin;
+            pending *= joint.origin;
             if joint.kind == JointKind::Fixed {
-                pending = pending * joint.after;
+                pending *= joint.after;
                 continue;
             }
             let align = alignment(&joint.axis);

@@ -42,6 +42,7 @@ pub struct Chain {
     variables: Vec<Variable>,
     compiled: Compiled,
     reach: Reach,
+    last_joint_reach: Option<Reach>,
     postures: OnceLock<Postures>,
 }
 
@@ -67,6 +68,7 @@ impl Chain {
         }
         let compiled = Compiled::new(&base, &joints, &tool, &variables)?;
         let reach = Reach::new(&compiled, &variables);
+        let last_joint_reach = Reach::of_last_joint(&compiled, &variables);
         Ok(Self {
             name: name.into(),
             base,
@@ -75,6 +77,7 @@ impl Chain {
             variables,
             compiled,
             reach,
+            last_joint_reach,
             postures: OnceLock::new(),
         })
     }
@@ -137,6 +140,11 @@ impl Chain {
     /// Proven bounds of where the tool point can be.
     pub fn reach(&self) -> &Reach {
         &self.reach
+    }
+
+    /// Proven bounds of where the last joint can be; `None` for a chain that ends in a slide.
+    pub fn last_joint_reach(&self) -> Option<&Reach> {
+        self.last_joint_reach.as_ref()
     }
 
     /// The table of sampled postures, made by `build` when it is first asked for.

@@ -211,7 +211,8 @@ impl Interval {
     fn cos_shifted(self, shift: f64) -> Self {
         use std::f64::consts::{PI, TAU};
         let (a, b) = (self.lower - shift, self.upper - shift);
-        if !(b - a < TAU) {
+        // Unbounded joints give an infinite width, or none at all.
+        if (b - a).is_nan() || b - a >= TAU {
             return Self { lower: -1.0, upper: 1.0 };
         }
         let (ca, cb) = (a.cos(), b.cos());

@@ -108,7 +108,7 @@ pub struct Plan<'a> {
     pub(super) tail: Tail,
     pub(super) rotation_scale: f64,
     tool_reach: Reach,
-    wrist_reach: Option<Reach>,
+    wrist_reach: Option<&'a Reach>,
 }
 
 impl<'a> Plan<'a> {
@@ -158,15 +158,14 @@ impl<'a> Plan<'a> {
             _ => return Err(Error::argument("targets", "poses (4x4 matrices)", "points")),
         }
         let compiled = chain.compiled();
-        let tail = tail.unwrap_or(compiled.tail);
-        let rotation_scale = rotation_scale(compiled, chain.reach().radius);
-        let ranking = ranking(&task, &tail, rotation_scale);
-        let tool_reach = Reach::with_tail(compiled, chain.variables(), &tail);
-        let wrist_reach = if task.fixes_pose() {
-            Reach::of_last_joint(compiled, chain.variables())
-        } else {
-            None
+        let tool_reach = match &tail {
+            Some(tail) => Reach::with_tail(compiled, chain.variables(), tail),
+            None => *chain.reach(),
         };
+        let tail = tail.unwrap_or(compiled.tail);
+        let rotation_scale = rotation_scale(chain.reach().radius);
+        let ranking = ranking(&task, &tail, rotation_scale);
+        let wrist_reach = if task.fixes_pose() { chain.last_joint_reach() } else { None };
         Ok(Self {
             chain,
             task,
@@ -277,7 +276,7 @@ impl<'a> Plan<'a> {
         if self.tool_reach.excess(goal.position) > self.tolerance.position {
             return true;
         }
-        let Some(wrist) = &self.wrist_reach else { return false };
+        let Some(wrist) = self.wrist_reach else { return false };
         // The tool's place and axes give the last joint's origin; an orientation error
         // within tolerance moves it by that angle times the tool's length.
         let t = self.tail.translation;

@@ -37,7 +37,6 @@ pub(super) struct Ranking {
 pub(super) struct Sampler<'a> {
     seed: u64,
     first_index: u64,
-    ranges: Vec<(f64, f64)>,
     postures: &'a Postures,
     ranking: Ranking,
 }
@@ -46,7 +45,7 @@ impl<'a> Sampler<'a> {
     /// A sampler over the joints' limits.
     pub fn new(chain: &'a Chain, ranking: Ranking, seed: u64, first_index: u64) -> Self {
         let postures = chain.postures(sample_postures);
-        Self { seed, first_index, ranges: ranges(chain), postures, ranking }
+        Self { seed, first_index, postures, ranking }
     }
 
     /// What alone decides the random numbers of an attempt at a target.
@@ -61,7 +60,7 @@ impl<'a> Sampler<'a> {
     pub fn sample(&self, row: usize, attempt: u32, goal: &Goal<f64>, q: &mut [f64]) {
         let key = self.key(row, attempt);
         if attempt % ANYWHERE == ANYWHERE - 1 {
-            draw(&mut Xoshiro256PlusPlus::seed_from_u64(key), &self.ranges, q);
+            draw(&mut Xoshiro256PlusPlus::seed_from_u64(key), &self.postures.ranges, q);
             return;
         }
         let windows = (TABLE - WINDOW) as u64;
@@ -134,13 +133,12 @@ fn ranges(chain: &Chain) -> Vec<(f64, f64)> {
 
 /// A table of uniform random postures and their frames.
 fn sample_postures(chain: &Chain) -> Postures {
-    let ranges = ranges(chain);
     let mut stream = Xoshiro256PlusPlus::seed_from_u64(TABLE_SEED);
     let mut workspace = Workspace::<f64>::new(chain.compiled());
     let mut q = vec![0.0; chain.dof()];
-    let mut postures = Postures::default();
+    let mut postures = Postures { ranges: ranges(chain), ..Postures::default() };
     for _ in 0..TABLE {
-        draw(&mut stream, &ranges, &mut q);
+        draw(&mut stream, &postures.ranges, &mut q);
         forward(chain.compiled(), &q, &mut workspace);
         postures.q.extend_from_slice(&q);
         let axes = workspace.joint_axes();
