@@ -216,6 +216,20 @@ class Chain:
     ) -> IkResult:
         """Solve a batch of targets; see `agrik_fast.Robot.ik`."""
 
+    def follow(
+        self,
+        targets: ArrayLike,
+        max_joint_step: ArrayLike,
+        q0: ArrayLike | None = None,
+        pull: float | None = None,
+        task: Task | str | None = None,
+        seed: int | None = None,
+        tool: ArrayLike | None = None,
+        position_tolerance: float | None = None,
+        orientation_tolerance: float | None = None,
+    ) -> tuple[IkResult, NDArray[np.bool_]]:
+        """Follow a sequence of targets; see `agrik_fast.Robot.follow`."""
+
     def cost_history(
         self,
         target: ArrayLike,

@@ -27,3 +27,6 @@ class Status(IntEnum):
 
     BAD_INPUT = 3
     """The target or its start value holds NaN or infinity."""
+
+    STALLED = 4
+    """The search stood still before it reached the target, as in a local minimum."""

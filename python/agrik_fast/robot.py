@@ -16,6 +16,7 @@ from ._dh_rows import CONVENTIONS, DhRow, read_table
 from .errors import UnknownNameError
 
 if TYPE_CHECKING:
+    from .path import Path
     from .result import IkResult
     from .solvers import DifferentialEvolution, GeneticAlgorithm, Solver
     from .tasks import Task
@@ -425,6 +426,85 @@ class Robot:
             position_tolerance,
             orientation_tolerance,
             first_index,
+        )
+
+    def follow(
+        self,
+        targets: ArrayLike,
+        q0: ArrayLike | None = None,
+        max_joint_step: ArrayLike = 0.1,
+        task: Task | str | None = None,
+        seed: int = 0,
+        tool: ArrayLike | None = None,
+        *,
+        pull: float = 0.5,
+        position_tolerance: float = 1e-6,
+        orientation_tolerance: float = 1e-6,
+    ) -> Path:
+        """Follow a sequence of targets, every posture the continuation of the one before.
+
+        Each target is solved by the default step solver from the posture before, inside
+        limits that leave every joint no more than one step. The freedom that a redundant
+        arm has is used to stay near the posture before. If that fails, other postures
+        within the step are tried; if none leads to the target, the nearest posture that a
+        search of the whole range finds is taken and reported as a discontinuity.
+
+        Parameters
+        ----------
+        targets : array_like, shape (n, 4, 4) or (n, 3)
+            Poses of the tool, or positions of the tool point, in order, base frame; m.
+        q0 : array_like, shape (dof,), rad or m, optional
+            Where the arm stands before the first target, within the limits. Without it the
+            first posture is free.
+        max_joint_step : float or array_like, shape (dof,), rad or m, default 0.1
+            Largest change of each joint from one target to the next.
+        task, tool, position_tolerance, orientation_tolerance : optional
+            As in `ik`.
+        seed : int, default 0
+            Seed of the searches, 0 to 2**64 - 1.
+        pull : float, default 0.5
+            Share of the way back to the posture before that each solver step goes in the
+            null space of the task; 0 to 1.
+
+        Returns
+        -------
+        Path
+            Joint values, success, errors and discontinuities, one row a target.
+
+        Raises
+        ------
+        ArgumentError
+            A wrong shape, type or value of an argument; start values out of the limits.
+        KeyboardInterrupt
+            Ctrl-C.
+        """
+        from .path import Path
+
+        result, jumps = self._chain.follow(
+            targets,
+            max_joint_step,
+            q0,
+            pull,
+            task,
+            seed,
+            tool,
+            position_tolerance,
+            orientation_tolerance,
+        )
+        steps = np.zeros_like(result.q)
+        if len(steps):
+            steps[1:] = np.diff(result.q, axis=0)
+            if q0 is not None:
+                steps[0] = result.q[0] - float_array("q0", q0)
+        return Path(
+            q=result.q,
+            success=result.success,
+            status=result.status,
+            position_error=result.position_error,
+            orientation_error=result.orientation_error,
+            iterations=result.iterations,
+            discontinuity=jumps,
+            joint_step=steps,
         )
 
     def cost_history(

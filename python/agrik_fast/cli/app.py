@@ -80,7 +80,7 @@ def solve(
         str | None,
         typer.Option(help="position, pose or axis; by default pose if there are orientations."),
     ] = None,
-    solver: Annotated[str, typer.Option(help="lm, dls, pinv or transpose.")] = "lm",
+    solver: Annotated[str, typer.Option(help="lm, dls, pinv, transpose, de or ga.")] = "lm",
     tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-6,
     tol_rad: Annotated[float, typer.Option(help="Orientation tolerance in radians.")] = 1e-6,
     tool_axis: Annotated[
@@ -146,3 +146,17 @@ def info(
         from .info import describe, list_robots
 
         typer.echo(list_robots() if robot is None else describe(robot))
+
+
+@app.command()
+def paper(
+    name: Annotated[str, typer.Argument(help="Whose paper: redundant7.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
+) -> None:
+    """Write the tables and figures of a paper, regenerated, beside the published numbers."""
+    with _exit_codes():
+        from .paper import reproduce
+
+        files = reproduce(name, output, lambda line: typer.echo(f"{name}: {line}", err=True))
+        for file in files:
+            typer.echo(str(file))

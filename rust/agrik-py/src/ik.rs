@@ -124,14 +124,14 @@ impl<'py> Given<'py> {
 }
 
 /// A call's arguments in memory of their own, checked, from which its plan is made.
-struct Call<'py> {
-    targets: Targets<'py>,
+pub struct Call<'py> {
+    pub targets: Targets<'py>,
     options: Options,
     q0: Given<'py>,
 }
 
 impl<'py> Call<'py> {
-    fn new(py: Python<'py>, chain: &Chain, given: &Arguments<'_, 'py>) -> PyResult<Self> {
+    pub fn new(py: Python<'py>, chain: &Chain, given: &Arguments<'_, 'py>) -> PyResult<Self> {
         let targets = Targets::new(given.targets)?;
         let are_poses = targets.are_poses();
         let options = Options::new(chain, given, are_poses)?;
@@ -152,7 +152,7 @@ impl<'py> Call<'py> {
         Ok(Self { targets, options, q0 })
     }
 
-    fn plan<'a>(
+    pub fn plan<'a>(
         &'a self,
         py: Python<'_>,
         chain: &'a Chain,
@@ -237,13 +237,13 @@ pub fn cost_history(
 }
 
 /// Asks Python from time to time whether a signal (Ctrl-C) ends the call.
-struct Signals {
+pub struct Signals {
     last: Instant,
-    raised: Option<PyErr>,
+    pub raised: Option<PyErr>,
 }
 
 impl Signals {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self { last: Instant::now(), raised: None }
     }
 
@@ -256,7 +256,7 @@ impl Signals {
     }
 
     /// For a call that has released the interpreter.
-    fn go_on_detached(&mut self) -> bool {
+    pub fn go_on_detached(&mut self) -> bool {
         !self.is_due(DETACHED_PERIOD) || Python::attach(|py| self.check(py))
     }
 

@@ -5,6 +5,7 @@ mod build;
 mod chain;
 mod convert;
 mod errors;
+mod follow;
 mod ik;
 mod kinematics;
 mod population;

@@ -5,7 +5,7 @@
 //! targets.
 
 use super::plan::{AnswersMut, INSIDE, Outcome, Plan, Status};
-use super::step::{Step, dot, squared_norm};
+use super::step::{Step, dot, pulled, squared_norm};
 use crate::chain::{JointKind, Variable};
 use crate::kinematics::{Workspace, columns, forward};
 use crate::lanes::Real;
@@ -85,6 +85,16 @@ impl Limit {
     }
 }
 
+/// The limits of a plan: those of the joints, unless it has narrower ones.
+fn limits(plan: &Plan<'_>) -> Vec<Limit> {
+    match &plan.bounds {
+        None => plan.chain.variables().iter().map(Limit::of).collect(),
+        Some(bounds) => {
+            bounds.iter().map(|&(lower, upper)| Limit { lower, upper, turns: false }).collect()
+        }
+    }
+}
+
 /// A run of rows with the number of its unfinished rows.
 struct Open<'a> {
     run: AnswersMut<'a>,
@@ -108,6 +118,8 @@ struct Engine<'p, R: Real, T, const M: usize> {
     /// Where continuous joints' values are kept near.
     reference: Vec<R>,
     change: Vec<R>,
+    /// The second aim's share of a step.
+    pull: Vec<R>,
     columns: Vec<[R; M]>,
     workspace: Workspace<R>,
     goal: Goal<R>,
@@ -133,7 +145,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             plan,
             rows,
             variables,
-            limits: variables.iter().map(Limit::of).collect(),
+            limits: limits(plan),
             has_continuous: variables.iter().any(|v| v.kind == JointKind::Continuous),
             cap: plan.settings.max_iterations,
             patient_cap: plan.settings.max_iterations.saturating_mul(PATIENCE),
@@ -142,6 +154,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             q: vec![R::zero(); dof],
             reference: vec![R::zero(); dof],
             change: vec![R::zero(); dof],
+            pull: vec![R::zero(); dof],
             columns: vec![[R::zero(); M]; dof],
             workspace: Workspace::new(plan.chain.compiled()),
             goal: Goal::zero(),
@@ -239,7 +252,13 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
         });
         // Active set: a joint at a limit whose downhill direction leads outward is held
         // for this step, and the others take over its share.
-        for ((v, q), column) in self.limits.iter().zip(&self.q).zip(&mut self.columns) {
+        if let Some((gain, toward)) = &self.plan.pull {
+            for ((p, q), to) in self.pull.iter_mut().zip(&self.q).zip(toward) {
+                *p = R::splat(*gain) * (R::splat(*to) - *q);
+            }
+        }
+        let moves = self.limits.iter().zip(&self.q).zip(&mut self.columns).zip(&mut self.pull);
+        for (((v, q), column), pull) in moves {
             if v.turns {
                 continue;
             }
@@ -250,8 +269,13 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             for x in column.iter_mut() {
                 *x = R::select(held, R::zero(), *x);
             }
+            *pull = R::select(held, R::zero(), *pull);
         }
-        self.plan.settings.step.compute(&self.columns, &error.rows, &mut self.change);
+        if self.plan.pull.is_some() {
+            pulled::step(&self.columns, &error.rows, &self.pull, &mut self.change);
+        } else {
+            self.plan.settings.step.compute(&self.columns, &error.rows, &mut self.change);
+        }
         let squared = squared_norm(&error.rows);
         self.apply(moving, squared)
     }
@@ -422,7 +446,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             Some(start) if attempt == 0 => q.copy_from_slice(start),
             _ => self.plan.sampler.sample(row, attempt, goal, q),
         }
-        for (i, v) in self.variables.iter().enumerate() {
+        for (i, v) in self.limits.iter().enumerate() {
             self.q[i].set_lane(lane, q[i].clamp(v.lower, v.upper));
             self.reference[i].set_lane(lane, given.map_or(0.0, |start| start[i]));
         }

@@ -2,6 +2,7 @@
 //! evaluator; one record of answers.
 
 mod engine;
+mod follow;
 mod linear;
 mod plan;
 pub mod population;
@@ -9,6 +10,7 @@ mod rows;
 mod start;
 mod step;
 
+pub use follow::{Follow, Path};
 pub use plan::{Answers, AnswersMut, Goals, Plan, Starts, Status, Tolerance};
 pub use rows::Solve;
 pub use step::{Settings, Step};

@@ -28,6 +28,9 @@ pub enum Status {
     NotFound = 2,
     /// The target or its start held NaN or infinity.
     BadInput = 3,
+    /// The search stood still before it reached the target, as in a local minimum; only of
+    /// solvers that can tell that from not having found it yet.
+    Stalled = 4,
 }
 
 /// How near is near enough.
@@ -107,6 +110,10 @@ pub struct Plan<'a> {
     pub(super) sampler: Sampler<'a>,
     pub(super) tail: Tail,
     pub(super) rotation_scale: f64,
+    /// Limits inside those of the chain that hold for this call, rad or m.
+    pub(super) bounds: Option<Vec<(f64, f64)>>,
+    /// A second aim: share of the way to a posture that each step tries to go.
+    pub(super) pull: Option<(f64, Vec<f64>)>,
     tool_reach: Reach,
     wrist_reach: Option<&'a Reach>,
 }
@@ -175,6 +182,8 @@ impl<'a> Plan<'a> {
             starts,
             sampler: Sampler::new(chain, ranking, seed, first_index),
             rotation_scale,
+            bounds: None,
+            pull: None,
             tail,
             tool_reach,
             wrist_reach,
@@ -197,11 +206,25 @@ impl<'a> Plan<'a> {
     /// The same call with other targets, starts and step settings: a solver's own subtask.
     pub(super) fn with<'b>(
         &'b self,
-        goals: Goals<'b>,
-        starts: Starts<'b>,
+        copies: &'b Copies,
+        starts: &'b [f64],
         settings: Settings,
     ) -> Plan<'b> {
-        Plan { goals, starts, settings, ..self.clone() }
+        let goals = match copies {
+            Copies::Points(points, direction) => Goals::Positions { points, direction: *direction },
+            Copies::Poses(poses) => Goals::Poses(poses),
+        };
+        Plan { goals, starts: Starts::Each(starts), settings, ..self.clone() }
+    }
+
+    /// Target `row`, `count` times.
+    pub(super) fn copies(&self, row: usize, count: usize) -> Copies {
+        match self.goals {
+            Goals::Positions { points, direction } => {
+                Copies::Points(vec![points[row]; count], direction)
+            }
+            Goals::Poses(poses) => Copies::Poses(vec![poses[row]; count]),
+        }
     }
 
     /// Squared distance (m^2) and angle (rad^2) between a posture and a goal.
@@ -303,6 +326,15 @@ fn ranking(task: &Task, tail: &Tail, rotation_scale: f64) -> Ranking {
         Task::Masked { .. } => (0.0, none),
     };
     Ranking { point: tail.translation.map(|x| x as f32), axes, direction }
+}
+
+/// Copies of one target, for a subtask that tries several starts at once.
+#[derive(Debug, Clone)]
+pub(super) enum Copies {
+    /// Tool points, with the direction of all.
+    Points(Vec<[f64; 3]>, Option<[f64; 3]>),
+    /// Poses.
+    Poses(Vec<[f64; 16]>),
 }
 
 /// The answers of a call, one entry a target (`dof` entries of `q`).

@@ -71,6 +71,8 @@ struct Scratch<R> {
     best: Vec<f64>,
     difference: Vec<R>,
     base: Vec<R>,
+    /// The number of each lane.
+    first: R,
     /// Weight and crossover rate of each individual, and of the trials (jDE).
     own: Vec<(R, R)>,
     tried: Vec<(R, R)>,
@@ -107,6 +109,7 @@ impl Differential {
             best: vec![0.0; dof],
             difference: vec![R::zero(); dof],
             base: vec![R::zero(); dof],
+            first: numbers(),
             own: vec![(R::splat(self.weight), rate); population.blocks()],
             tried: vec![(R::splat(self.weight), rate); population.blocks()],
         };
@@ -128,10 +131,11 @@ impl Differential {
                         scratch.tried[block] = (weight, rate);
                         (weight, rate)
                     }
-                    _ if self.redraw == Redraw::Individual => {
-                        (R::splat(self.weight), self.draw_rates(stream))
-                    }
-                    _ => (R::splat(self.weight), shared),
+                    _ => match self.redraw {
+                        Redraw::Gene => (R::splat(self.weight), R::splat(self.mean_rate())),
+                        Redraw::Individual => (R::splat(self.weight), self.draw_rates(stream)),
+                        Redraw::Generation => (R::splat(self.weight), shared),
+                    },
                 };
                 let parents = population.block(block);
                 let made = trial.block_mut(block);
@@ -141,6 +145,16 @@ impl Differential {
             self.select(population, &trial, &mut scratch);
             progress.generations += 1;
         }
+    }
+
+    /// The chance that a gene is taken if the rate is drawn for each: drawn one by one,
+    /// genes are independent of each other, so that it acts like a constant rate.
+    fn mean_rate(&self) -> f64 {
+        let (low, high) = self.crossover;
+        if high <= 1.0 || low >= 1.0 {
+            return (0.5 * (low + high)).min(1.0);
+        }
+        (0.5 * (1.0 - low * low) + (high - 1.0)) / (high - low)
     }
 
     fn draw_rate(&self, stream: &mut Stream) -> f64 {
@@ -163,31 +177,28 @@ impl Differential {
         stream: &mut Stream,
         scratch: &mut Scratch<R>,
     ) {
-        let (size, dof) = (population.size, population.dof);
-        for lane in 0..R::WIDTH {
-            let i = block * R::WIDTH + lane;
-            let a = skip(stream.below(size - 1), i);
-            let (low, high) = if a < i { (a, i) } else { (i, a) };
-            let b = skip(skip(stream.below(size - 2), low), high);
-            let (from_a, lane_a) = population.place(a);
-            let (from_b, lane_b) = population.place(b);
-            let a = &population.genes[from_a..from_a + dof];
-            let b = &population.genes[from_b..from_b + dof];
-            for ((d, a), b) in scratch.difference.iter_mut().zip(a).zip(b) {
-                d.set_lane(lane, a.lane(lane_a) - b.lane(lane_b));
-            }
-            if self.mutation == Mutation::Rand1 {
-                // Drawn until it is another one: three are taken at most.
-                let (a, b) = (from_a / dof * R::WIDTH + lane_a, from_b / dof * R::WIDTH + lane_b);
-                let mut c = stream.below(size);
-                while c == a || c == b || c == i {
-                    c = stream.below(size);
-                }
-                let (from_c, lane_c) = population.place(c);
-                for (x, c) in scratch.base.iter_mut().zip(&population.genes[from_c..from_c + dof]) {
-                    x.set_lane(lane, c.lane(lane_c));
-                }
-            }
+        let size = population.size;
+        // Whole numbers, held as floating-point ones so that all lanes are worked out at
+        // once: two others, different from each other and from the individual.
+        let i = scratch.first + R::splat((block * R::WIDTH) as f64);
+        let a = skip(below(size - 1, stream), i);
+        let b = skip(skip(below(size - 2, stream), a.min(i)), a.max(i));
+        gather(population, places(population, a), |g, lane, x| {
+            scratch.difference[g].set_lane(lane, x);
+        });
+        gather(population, places(population, b), |g, lane, x| {
+            let d = &mut scratch.difference[g];
+            d.set_lane(lane, d.lane(lane) - x);
+        });
+        if self.mutation == Mutation::Rand1 {
+            // The number left out last is the largest of three: sort them.
+            let (low, high) = (a.min(i), a.max(i));
+            let (low, middle) = (low.min(b), low.max(b));
+            let (middle, high) = (middle.min(high), middle.max(high));
+            let c = skip(skip(skip(below(size - 3, stream), low), middle), high);
+            gather(population, places(population, c), |g, lane, x| {
+                scratch.base[g].set_lane(lane, x);
+            });
         }
     }
 
@@ -204,7 +215,6 @@ impl Differential {
         stream: &mut Stream,
         made: &mut [R],
     ) {
-        let by_gene = self.redraw == Redraw::Gene && self.adaptation == Adaptation::None;
         // One gene of each individual comes from the mutant in any case.
         let u: R = stream.uniforms();
         let dof = parents.len() as f64;
@@ -216,7 +226,6 @@ impl Differential {
                 Mutation::Rand1 => weight.mul_add(d, scratch.base[g]),
                 Mutation::CurrentToBest1 => weight.mul_add(R::splat(scratch.best[g]) - x + d, x),
             };
-            let rate = if by_gene { self.draw_rates(stream) } else { rate };
             let u: R = stream.uniforms();
             let is_forced = (forced - R::splat(g as f64)).abs().lt(R::splat(0.5));
             let taken = R::or(u.lt(rate), is_forced);
@@ -266,10 +275,59 @@ fn jde<R: Real>(own: (R, R), stream: &mut Stream) -> (R, R) {
     )
 }
 
-/// A number that leaves `taken` out.
+/// 0, 1, 2, ... in the lanes.
 #[inline(always)]
-pub(super) fn skip(x: usize, taken: usize) -> usize {
-    x + usize::from(x >= taken)
+fn numbers<R: Real>() -> R {
+    let mut numbers = R::zero();
+    for lane in 0..R::WIDTH {
+        numbers.set_lane(lane, lane as f64);
+    }
+    numbers
+}
+
+/// The largest whole number that is not above a number of magnitude below 2^51.
+#[inline(always)]
+fn floor<R: Real>(x: R) -> R {
+    let near = x.round();
+    near - R::select(x.lt(near), R::splat(1.0), R::zero())
+}
+
+/// A random whole number below `n` in each lane.
+#[inline(always)]
+fn below<R: Real>(n: usize, stream: &mut Stream) -> R {
+    let u: R = stream.uniforms();
+    // The product may round up to `n` itself.
+    floor(u * R::splat(n as f64)).min(R::splat(n as f64 - 1.0))
+}
+
+/// Numbers that leave `taken` out.
+#[inline(always)]
+fn skip<R: Real>(x: R, taken: R) -> R {
+    x + R::select(taken.le(x), R::splat(1.0), R::zero())
+}
+
+/// Where the individuals whose numbers stand in the lanes have their first genes: lane
+/// within a vector, plus the vectors before it times the lanes of one.
+#[inline(always)]
+fn places<R: Real>(population: &Population<R>, individuals: R) -> R {
+    let width = R::splat(R::WIDTH as f64);
+    let block = floor(individuals * R::splat(1.0 / R::WIDTH as f64));
+    let lane = individuals - block * width;
+    block * R::splat((population.dof * R::WIDTH) as f64) + lane
+}
+
+/// Hands out (gene, lane, value) of the individuals at `places`.
+#[inline(always)]
+fn gather<R: Real>(population: &Population<R>, places: R, mut take: impl FnMut(usize, usize, f64)) {
+    // Above 2^52 the bits of a whole number stand in the fraction.
+    let places = places + R::splat((1u64 << 52) as f64);
+    for lane in 0..R::WIDTH {
+        let place = places.lane(lane).to_bits() as u32 as usize;
+        let (first, from) = (place / R::WIDTH, place % R::WIDTH);
+        for (g, x) in population.genes[first..first + population.dof].iter().enumerate() {
+            take(g, lane, x.lane(from));
+        }
+    }
 }
 
 #[cfg(test)]
@@ -291,18 +349,22 @@ mod tests {
         // Rates above 1 count as 1: the mean that acts is 0.736.
         let acting = rates.iter().map(|r| r.min(1.0)).sum::<f64>() / 20_000.0;
         assert!((acting - 0.736).abs() < 0.005, "{acting}");
+        assert!((it.mean_rate() - 0.736).abs() < 0.001);
+        let constant = Differential { crossover: (0.75, 0.75), ..it };
+        assert_eq!(constant.mean_rate(), 0.75);
+        assert_eq!(Differential { crossover: (1.0, 1.2), ..it }.mean_rate(), 1.0);
     }
 
     #[test]
     fn partners_are_distinct_and_even() {
-        let (size, i) = (6, 2);
+        let (size, i) = (6, 2usize);
         let mut stream = Stream::new(0);
         let mut counts = [[0u32; 6]; 6];
         for _ in 0..20_000 {
-            let a = skip(stream.below(size - 1), i);
-            let (low, high) = if a < i { (a, i) } else { (i, a) };
-            let b = skip(skip(stream.below(size - 2), low), high);
-            counts[a][b] += 1;
+            let a: f64 = skip(below(size - 1, &mut stream), i as f64);
+            let (low, high) = (a.min(i as f64), a.max(i as f64));
+            let b = skip(skip(below(size - 2, &mut stream), low), high);
+            counts[a as usize][b as usize] += 1;
         }
         for (a, row) in counts.iter().enumerate() {
             for (b, &count) in row.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! L-SHADE (Tanabe and Fukunaga 2014): weights and rates drawn about a memory of those that
 //! brought success, an archive of replaced individuals, a population that shrinks.
 
-use super::differential::{Differential, skip};
+use super::differential::Differential;
 use super::evaluator::{Evaluator, Fitness, Gene, Population};
 use super::progress::{End, Progress};
 use super::random::Stream;
@@ -170,4 +170,9 @@ fn shrink<R: Real>(population: &mut Population<R>, size: usize, order: &mut Vec<
         population.set_cost(to, cost);
     }
     population.resize(size);
+}
+
+/// A number that leaves `taken` out.
+fn skip(x: usize, taken: usize) -> usize {
+    x + usize::from(x >= taken)
 }

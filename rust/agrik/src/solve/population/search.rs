@@ -8,7 +8,7 @@ use super::settings::Settings;
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, forward};
 use crate::lanes::{Kernel, Level, Real, dispatch};
-use crate::solve::plan::{Answers, AnswersMut, Goals, INSIDE, Outcome, Plan, Starts, Status};
+use crate::solve::plan::{Answers, AnswersMut, INSIDE, Outcome, Plan, Status};
 use crate::solve::{Solve, step};
 use crate::task::Goal;
 
@@ -17,6 +17,12 @@ const POLISHED: usize = 8;
 /// The step solver that polishes: one attempt from each individual, with some patience.
 const POLISH: step::Settings =
     step::Settings { max_iterations: 20, max_restarts: 0, ..step::Settings::LEVENBERG_MARQUARDT };
+
+/// Share of the way to the start values that a polishing step tries to go, where the
+/// search is to keep near them.
+const PULL: f64 = 0.5;
+/// A run that has not improved for so many generations is at a local minimum.
+const STUCK: u32 = 30;
 
 /// A population search for the targets of a plan.
 ///
@@ -209,10 +215,13 @@ impl<'e, R: Real> Search<'e, R> {
         }
         while !self.found.reached {
             let mut progress = Progress::new(settings);
-            if self.evolve(row, outcome.restarts, &goal, &mut progress, keep_going)
-                == End::Interrupted
-            {
+            let end = self.evolve(row, outcome.restarts, &goal, &mut progress, keep_going);
+            if end == End::Interrupted {
                 return None;
+            }
+            if !unreachable {
+                let stuck = end == End::Stagnation || progress.standing_still() > STUCK;
+                outcome.status = if stuck { Status::Stalled } else { Status::NotFound };
             }
             outcome.iterations += progress.generations;
             self.population.ranked(&mut self.order);
@@ -302,22 +311,17 @@ impl<'e, R: Real> Search<'e, R> {
             self.population.read(individual, &mut self.q);
             starts.extend_from_slice(&self.q);
         }
-        let (mut poses, mut points) = (Vec::new(), Vec::new());
-        let goals = match plan.goals {
-            Goals::Poses(all) => {
-                poses.resize(count, all[row]);
-                Goals::Poses(&poses)
-            }
-            Goals::Positions { points: all, direction } => {
-                points.resize(count, all[row]);
-                Goals::Positions { points: &points, direction }
-            }
-        };
-        let copies = plan.with(goals, Starts::Each(&starts), POLISH);
+        let target = plan.copies(row, count);
+        let mut copies = plan.with(&target, &starts, POLISH);
+        let start = plan.starts.row(row, dof);
+        if let Some(start) = start
+            && self.evolution.settings.start_weight > 0.0
+        {
+            copies.pull = Some((PULL, start.to_vec()));
+        }
         let mut answers = Answers::new(count, dof);
         let mut all = Some(answers.as_mut());
         copies.run(self.level, &mut || all.take(), &mut || true);
-        let start = plan.starts.row(row, dof);
         for q in answers.q.chunks_exact(dof) {
             self.q.copy_from_slice(q);
             self.consider(goal, start);

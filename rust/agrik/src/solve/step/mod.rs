@@ -2,6 +2,7 @@
 
 mod damped;
 mod pseudo_inverse;
+pub(super) mod pulled;
 mod transpose;
 
 use crate::error::{Error, Result};
