@@ -58,8 +58,10 @@ def main() -> None:
 
     arm = ik.Robot.load("redundant7")
     poses = arm.fk(arm.random_q(256, seed=7))
-    check = np.abs(np.stack(forward(arm.random_q(64, seed=8).T)[3:])[0].T
-                   - arm.fk(arm.random_q(64, seed=8))[:, :3, 3]).max()
+    check = np.abs(
+        np.stack(forward(arm.random_q(64, seed=8).T)[3:])[0].T
+        - arm.fk(arm.random_q(64, seed=8))[:, :3, 3]
+    ).max()
     assert check < 1e-12, f"the yardstick's kinematics differ by {check}"
     recipe = ik.solvers.DifferentialEvolution.paper()
 
@@ -93,8 +95,10 @@ def main() -> None:
         ours = ours_batch()
         rows["ours, batch"] += ours
         rows["ours, single"] += ours_single()
-        for name, run in (("NumPy", lambda i=i: evolve(poses[i], i)[0]),
-                          ("SciPy", lambda i=i: scipy_evolve(poses[i], i))):
+        for name, run in (
+            ("NumPy", lambda i=i: evolve(poses[i], i)[0]),
+            ("SciPy", lambda i=i: scipy_evolve(poses[i], i)),
+        ):
             started = time.thread_time()
             q = run()
             spent = time.thread_time() - started
@@ -104,9 +108,14 @@ def main() -> None:
     gc.enable()
 
     about = machine.describe()
-    print(f"{about['cpu']}, {about['system']}, load {about['load_before']:.1f}; SIMD {ik.simd_level()}")
-    print(f"agrik_fast {ik.__version__}, Python {sys.version.split()[0]}, NumPy {np.__version__}, "
-          f"SciPy {scipy.__version__}; one thread, CPU time, collector off")
+    print(
+        f"{about['cpu']}, {about['system']}, load {about['load_before']:.1f}; "
+        f"SIMD {ik.simd_level()}"
+    )
+    print(
+        f"agrik_fast {ik.__version__}, Python {sys.version.split()[0]}, NumPy {np.__version__}, "
+        f"SciPy {scipy.__version__}; one thread, CPU time, collector off"
+    )
     print(f"\n{'':14} {'min ms':>9} {'p50 ms':>9} {'p95 ms':>9}  success")
     own = sum(good(pose, q) for pose, q in zip(poses, answers[-1], strict=True)) / len(poses)
     shares = {"ours, batch": own, "ours, single": own}
@@ -117,8 +126,10 @@ def main() -> None:
     print()
     for name, values in ratios.items():
         ratio = float(np.median(values))
-        print(f"{name} / ours (batch): {ratio:.0f} (wanted: at least {WANTED[name]}) "
-              f"{'met' if ratio >= WANTED[name] else 'MISSED'}")
+        print(
+            f"{name} / ours (batch): {ratio:.0f} (wanted: at least {WANTED[name]}) "
+            f"{'met' if ratio >= WANTED[name] else 'MISSED'}"
+        )
 
 
 if __name__ == "__main__":

@@ -173,7 +173,8 @@ def test_unknown_solver(call, pose):
     with pytest.raises(UnknownNameError) as error:
         call(pose, solver="transpoze")
     assert message(error) == (
-        "unknown solver 'transpoze'; did you mean 'transpose'? Known: lm, dls, pinv, transpose, de, ga"
+        "unknown solver 'transpoze'; did you mean 'transpose'? "
+        "Known: lm, dls, pinv, transpose, de, ga"
     )
     assert error.value.nearest == ("transpose",)
     with pytest.raises(ArgumentError, match=r"a solver of agrik_fast.solvers or one of lm, dls"):

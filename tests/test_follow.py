@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy_fk import fk, pose_error
 
 import agrik_fast as ik
 from agrik_fast.errors import ArgumentError
+from numpy_fk import fk, pose_error
 
 FROM = np.array([0.3, 0.5, -0.2, 1.0, 0.4, 0.8, 0.1])
 TO = np.array([-1.2, 1.1, 0.7, 1.3, 1.0, 0.8, 1.5])

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cli_runner import one_line, run_command
 
 import agrik_fast as ik
 from agrik_fast import euler
 from agrik_fast.errors import ArgumentError
 from agrik_fast.papers import redundant7
 from agrik_fast.papers.redundant7 import experiments
+from cli_runner import one_line, run_command
 
 
 @pytest.fixture(scope="module")

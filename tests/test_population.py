@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy_fk import fk, pose_error
 
 import agrik_fast as ik
 from agrik_fast._native import default_settings
 from agrik_fast.errors import ArgumentError, UnknownNameError
 from agrik_fast.papers.redundant7 import experiments
 from agrik_fast.solvers import DifferentialEvolution, GeneticAlgorithm
+from numpy_fk import fk, pose_error
 
 COARSE = {"position_tolerance": 1e-4, "orientation_tolerance": 1e-3}
 SOLVERS = (DifferentialEvolution, GeneticAlgorithm)

@@ -2,9 +2,10 @@
 
 Pass one to `Robot.ik` as an object or, with its defaults, by its name. There are two
 kinds. *Population solvers* (`agrik_fast.population`) search the whole range of the joints
-with many postures at once. *Step solvers*, defined here, share one loop: it tests for convergence, takes a step within the joint
-limits, and restarts when an attempt has used up its iterations, from the best of a few
-postures that are drawn at random. They differ in how the step is computed.
+with many postures at once. *Step solvers*, defined here, share one loop: it tests for
+convergence, takes a step within the joint limits, and restarts when an attempt has used up
+its iterations, from the best of a few postures that are drawn at random. They differ in how
+the step is computed.
 
 Rows of the error and the Jacobian that concern orientation are scaled by a length per
 radian (0.3 times the robot's reach), so that one damping serves metres and radians.

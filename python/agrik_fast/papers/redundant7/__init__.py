@@ -1,7 +1,7 @@
 """Li et al., "Inverse Kinematics Study for Intelligent Agriculture Robot Development via
 Differential Evolution Algorithm": the single-point test (figure 3), the repetitive test
 (figure 4) with the runs that fail, and what of the recipe matters.
-"""  # noqa: D205, D400 - the title does not fit one line
+"""  # noqa: D205 - the title does not fit one line
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ PUBLISHED_Q = (-0.1463, 2.0494, 1.9414, 1.9062, 0.4786, 0.4610, -1.6490)
 """The paper's answer, rad."""
 FITTED_LENGTHS = (0.400, 0.450, 0.450, 0.200)
 """d1, d3, d5, d7 in m, with which that answer meets the paper's position."""
-TOLERANCE = {"position_tolerance": 1e-4, "orientation_tolerance": 1e-3}
+TOLERANCE: dict[str, Any] = {"position_tolerance": 1e-4, "orientation_tolerance": 1e-3}
 """A run succeeds within 0.1 mm and 1e-3 rad."""
 NEAR_LIMIT = 1e-3
 """A joint within so much of a limit, rad, counts as at the limit."""
@@ -39,7 +39,7 @@ class Table:
 
     title: str
     columns: tuple[str, ...]
-    rows: list[tuple[str, ...]]
+    rows: Sequence[tuple[str, ...]]
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,9 @@ def cost(robot: Robot, q: FloatArray, pose: FloatArray) -> FloatArray:
 
 def lengths() -> Table:
     """Return where the published joint vector leads, with both sets of lengths."""
-    rows = [("the paper", "334.000", "471.000", "539.000", "1.57080", "0.78540", "0.52360")]
+    rows: list[tuple[str, ...]] = [
+        ("the paper", "334.000", "471.000", "539.000", "1.57080", "0.78540", "0.52360")
+    ]
     for name, robot in (("Table I", arm()), ("d = 400, 450, 450, 200 mm", fitted_arm())):
         pose = robot.fk(PUBLISHED_Q)
         position = [f"{1000 * x:.3f}" for x in pose[:3, 3]]
@@ -109,9 +111,7 @@ def lengths() -> Table:
 def single_point(curves: int = 30) -> SinglePoint:
     """Run the single-point test, and some more for the median curve."""
     robot, pose, recipe = arm(), target(), DifferentialEvolution.paper()
-    all_costs = np.stack(
-        [robot.cost_history(pose, recipe, seed=seed) for seed in range(curves)]
-    )
+    all_costs = np.stack([robot.cost_history(pose, recipe, seed=seed) for seed in range(curves)])
     final = all_costs[:, -1]
     # The run that stands for the others: the median one.
     shown = all_costs[int(np.argsort(final)[curves // 2])]
@@ -143,9 +143,7 @@ def repeated(runs: int) -> Repeated:
     costs, good = cost(robot, result.q, pose), result.success
     stuck = result.q[~good]
     edge = np.minimum(stuck - robot.lower, robot.upper - stuck) < NEAR_LIMIT
-    by_joint = ", ".join(
-        f"q{i + 1}: {n}" for i, n in enumerate(edge.sum(axis=0).tolist()) if n
-    )
+    by_joint = ", ".join(f"q{i + 1}: {n}" for i, n in enumerate(edge.sum(axis=0).tolist()) if n)
     thirty, fine = costs[:30], good[:30]
     rows = [
         ("mean cost of 30 runs", "1.27e-06", f"{thirty.mean():.2e}"),
@@ -172,7 +170,7 @@ def variants() -> list[tuple[str, DifferentialEvolution, str]]:
     def per_mm(weight: float) -> DifferentialEvolution:
         return varied(position_weight=1000.0 * weight, orientation_weight=1.0)
 
-    high = {"crossover": (0.9, 0.9)}
+    high: dict[str, Any] = {"crossover": (0.9, 0.9)}
     return [
         ("published: rate per gene, median", paper, "93.4"),
         ("rate per individual (base of the rows below)", base, "92.9"),
@@ -228,8 +226,8 @@ def comparison(count: int) -> Table:
     robot = arm()
     poses = robot.fk(robot.random_q(count, seed=20))
     paper = DifferentialEvolution.paper()
-    fine = {"position_tolerance": 1e-6, "orientation_tolerance": 1e-6}
-    cases: Sequence[tuple[str, Solver, dict[str, float], str]] = [
+    fine: dict[str, Any] = {"position_tolerance": 1e-6, "orientation_tolerance": 1e-6}
+    cases: Sequence[tuple[str, Solver, dict[str, Any], str]] = [
         ("published, to 0.1 mm and 1e-3 rad", paper, TOLERANCE, "91.7"),
         ("published, to 1e-6 m and 1e-6 rad", paper, fine, ""),
         ("L-SHADE, to 0.1 mm and 1e-3 rad", _lshade(paper), TOLERANCE, "77.3"),

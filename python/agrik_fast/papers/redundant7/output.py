@@ -24,7 +24,12 @@ def table(folder: Path, name: str, content: Table) -> list[Path]:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(content.columns)
         writer.writerows(content.rows)
-    lines = [f"**{content.title}**", "", _row(content.columns), _row(("---",) * len(content.columns))]
+    lines = [
+        f"**{content.title}**",
+        "",
+        _row(content.columns),
+        _row(("---",) * len(content.columns)),
+    ]
     lines += [_row(row) for row in content.rows]
     as_text.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return [as_csv, as_text]
@@ -88,7 +93,7 @@ def histogram(folder: Path, content: Repeated) -> list[Path]:
     figure = _figure(6, 4)
     axes = figure.subplots()
     costs = np.log10(np.maximum(content.costs, 1e-12))
-    edges = np.linspace(costs.min(), costs.max(), 61)
+    edges = np.linspace(costs.min(), costs.max(), 61).tolist()
     axes.hist(costs[content.success], edges, color=GOOD, label="succeeded")
     axes.hist(costs[~content.success], edges, color=BAD, label="stuck")
     axes.set_yscale("log")

@@ -183,22 +183,27 @@ impl Differential {
         let i = scratch.first + R::splat((block * R::WIDTH) as f64);
         let a = skip(below(size - 1, stream), i);
         let b = skip(skip(below(size - 2, stream), a.min(i)), a.max(i));
-        gather(population, places(population, a), |g, lane, x| {
-            scratch.difference[g].set_lane(lane, x);
-        });
-        gather(population, places(population, b), |g, lane, x| {
-            let d = &mut scratch.difference[g];
-            d.set_lane(lane, d.lane(lane) - x);
-        });
+        let (from_a, from_b) = (places(population, a), places(population, b));
+        for lane in 0..R::WIDTH {
+            let (a, lane_a) = individual(population, from_a, lane);
+            let (b, lane_b) = individual(population, from_b, lane);
+            for ((d, x), y) in scratch.difference.iter_mut().zip(a).zip(b) {
+                d.set_lane(lane, x.lane(lane_a) - y.lane(lane_b));
+            }
+        }
         if self.mutation == Mutation::Rand1 {
             // The number left out last is the largest of three: sort them.
             let (low, high) = (a.min(i), a.max(i));
             let (low, middle) = (low.min(b), low.max(b));
             let (middle, high) = (middle.min(high), middle.max(high));
             let c = skip(skip(skip(below(size - 3, stream), low), middle), high);
-            gather(population, places(population, c), |g, lane, x| {
-                scratch.base[g].set_lane(lane, x);
-            });
+            let from_c = places(population, c);
+            for lane in 0..R::WIDTH {
+                let (c, lane_c) = individual(population, from_c, lane);
+                for (base, x) in scratch.base.iter_mut().zip(c) {
+                    base.set_lane(lane, x.lane(lane_c));
+                }
+            }
         }
     }
 
@@ -313,21 +318,17 @@ fn places<R: Real>(population: &Population<R>, individuals: R) -> R {
     let width = R::splat(R::WIDTH as f64);
     let block = floor(individuals * R::splat(1.0 / R::WIDTH as f64));
     let lane = individuals - block * width;
-    block * R::splat((population.dof * R::WIDTH) as f64) + lane
+    // Above 2^52 the bits of a whole number stand in the fraction.
+    block.mul_add(R::splat((population.dof * R::WIDTH) as f64), lane)
+        + R::splat((1u64 << 52) as f64)
 }
 
-/// Hands out (gene, lane, value) of the individuals at `places`.
+/// Genes and lane of the individual whose place stands in a lane.
 #[inline(always)]
-fn gather<R: Real>(population: &Population<R>, places: R, mut take: impl FnMut(usize, usize, f64)) {
-    // Above 2^52 the bits of a whole number stand in the fraction.
-    let places = places + R::splat((1u64 << 52) as f64);
-    for lane in 0..R::WIDTH {
-        let place = places.lane(lane).to_bits() as u32 as usize;
-        let (first, from) = (place / R::WIDTH, place % R::WIDTH);
-        for (g, x) in population.genes[first..first + population.dof].iter().enumerate() {
-            take(g, lane, x.lane(from));
-        }
-    }
+fn individual<R: Real>(population: &Population<R>, places: R, lane: usize) -> (&[R], usize) {
+    let place = places.lane(lane).to_bits() as u32 as usize;
+    let first = place / R::WIDTH;
+    (&population.genes[first..first + population.dof], place % R::WIDTH)
 }
 
 #[cfg(test)]

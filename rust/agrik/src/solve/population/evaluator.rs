@@ -2,7 +2,7 @@
 
 use super::random::Stream;
 use crate::chain::{Chain, Compiled, JointKind};
-use crate::kinematics::{Workspace, forward};
+use crate::kinematics::{Workspace, forward_frame};
 use crate::lanes::Real;
 
 /// What makes one individual better than another: the lower the cost, the better.
@@ -10,7 +10,7 @@ use crate::lanes::Real;
 /// A cost that is not a number counts as infinitely bad.
 pub trait Fitness<R: Real> {
     /// Cost of the postures `q` (one entry per joint value, one individual per lane), whose
-    /// forward kinematics stands in `at`.
+    /// last frame stands in `at` (the joints' axes do not).
     fn cost(&self, q: &[R], at: &Workspace<R>) -> R;
 }
 
@@ -209,7 +209,7 @@ impl<'a, R: Real, F: Fitness<R>> Evaluator<'a, R, F> {
         let infinite = R::splat(f64::INFINITY);
         let blocks = population.genes.chunks_exact(dof).zip(&mut population.cost);
         for (block, cost) in blocks {
-            forward(self.chain, block, &mut self.workspace);
+            forward_frame(self.chain, block, &mut self.workspace);
             let found = self.fitness.cost(block, &self.workspace);
             *cost = R::select(found.lt(infinite), found, infinite);
         }
