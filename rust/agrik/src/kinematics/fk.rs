@@ -105,10 +105,11 @@ fn pass<R: Real, const AXES: bool>(chain: &Compiled, q: &[R], workspace: &mut Wo
             (s, c, R::splat(link.d))
         };
         (x, y) = (blend(x, c, y, s), blend(y, c, x, -s));
-        if link.prismatic || link.d != 0.0 {
+        // Asked of the bits, which costs less than asking of the numbers.
+        if link.prismatic || link.d.to_bits() != 0 {
             p = axpy(z, along, p);
         }
-        if link.a != 0.0 {
+        if link.a.to_bits() != 0 {
             p = axpy(x, R::splat(link.a), p);
         }
         match link.twist {

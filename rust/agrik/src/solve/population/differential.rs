@@ -184,11 +184,18 @@ impl Differential {
         let a = skip(below(size - 1, stream), i);
         let b = skip(skip(below(size - 2, stream), a.min(i)), a.max(i));
         let (from_a, from_b) = (places(population, a), places(population, b));
-        for lane in 0..R::WIDTH {
-            let (a, lane_a) = individual(population, from_a, lane);
-            let (b, lane_b) = individual(population, from_b, lane);
-            for ((d, x), y) in scratch.difference.iter_mut().zip(a).zip(b) {
-                d.set_lane(lane, x.lane(lane_a) - y.lane(lane_b));
+        // Loops of a length known beforehand, for the commonest arms.
+        match population.dof {
+            6 => differences::<R, 6>(population, from_a, from_b, &mut scratch.difference),
+            7 => differences::<R, 7>(population, from_a, from_b, &mut scratch.difference),
+            _ => {
+                for lane in 0..R::WIDTH {
+                    let (a, lane_a) = individual(population, from_a, lane);
+                    let (b, lane_b) = individual(population, from_b, lane);
+                    for ((d, x), y) in scratch.difference.iter_mut().zip(a).zip(b) {
+                        d.set_lane(lane, x.lane(lane_a) - y.lane(lane_b));
+                    }
+                }
             }
         }
         if self.mutation == Mutation::Rand1 {
@@ -321,6 +328,26 @@ fn places<R: Real>(population: &Population<R>, individuals: R) -> R {
     // Above 2^52 the bits of a whole number stand in the fraction.
     block.mul_add(R::splat((population.dof * R::WIDTH) as f64), lane)
         + R::splat((1u64 << 52) as f64)
+}
+
+/// Differences of the individuals at two places, gene by gene, for arms of `N` joints.
+#[inline(always)]
+fn differences<R: Real, const N: usize>(
+    population: &Population<R>,
+    from_a: R,
+    from_b: R,
+    difference: &mut [R],
+) {
+    let Some(difference) = difference.first_chunk_mut::<N>() else { return };
+    for lane in 0..R::WIDTH {
+        let (a, lane_a) = individual(population, from_a, lane);
+        let (b, lane_b) = individual(population, from_b, lane);
+        if let (Some(a), Some(b)) = (a.first_chunk::<N>(), b.first_chunk::<N>()) {
+            for g in 0..N {
+                difference[g].set_lane(lane, a[g].lane(lane_a) - b[g].lane(lane_b));
+            }
+        }
+    }
 }
 
 /// Genes and lane of the individual whose place stands in a lane.
