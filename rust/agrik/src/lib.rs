@@ -12,6 +12,7 @@ pub mod kinematics;
 pub mod lanes;
 pub mod solve;
 pub mod task;
+pub mod tune;
 
 
 
