@@ -14,6 +14,4 @@ pub mod solve;
 pub mod task;
 pub mod tune;
 
-
-
 pub use error::{Error, Result};

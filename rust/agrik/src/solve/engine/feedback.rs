@@ -3,7 +3,7 @@
 //! Without optimisation everything inlined would share one huge stack frame, so a debug
 //! build keeps the laws apart.
 
-use super::{Engine, square};
+use super::{Engine, STILL, square};
 use crate::chain::JointKind;
 use crate::kinematics::forward;
 use crate::lanes::{Real, angle_of, axpy, cross, dot, scale, sub};
@@ -15,8 +15,6 @@ const SETTLED: f64 = 1e-12;
 /// Share of the reach by which the error must shrink for a try of IK-PID to count: less is
 /// the rounding of a joint that does not move the tool.
 const ROUNDING: f64 = 1e-14;
-/// Movement, rad or m, below which a joint counts as still.
-const STILL: f64 = 1e-14;
 
 /// Lanes whose attempt ends because nothing more will come of it.
 #[derive(Debug, Clone, Copy, Default)]

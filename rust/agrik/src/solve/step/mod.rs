@@ -210,6 +210,17 @@ impl Default for Settings {
 }
 
 impl Step {
+    /// A step that moves the tool by less than this share of the error leads nowhere: what
+    /// would help is held at its limits. Steps down the gradient are short by nature.
+    #[inline(always)]
+    pub(super) fn stall(&self) -> f64 {
+        match self {
+            Self::Transpose => 1e-9,
+            Self::LevenbergMarquardt { .. } => 0.1,
+            _ => 3e-3,
+        }
+    }
+
     /// The change of the joint values. Columns of joints that are held are zero; so is
     /// their change.
     #[inline(always)]

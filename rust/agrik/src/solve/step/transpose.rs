@@ -8,11 +8,7 @@ const VANISHING: f64 = 1e-12;
 
 /// `alpha J^T e`, `alpha = |J^T e|^2 / |J J^T e|^2`; no step where the gradient vanishes.
 #[inline(always)]
-pub(super) fn step<R: Real, const M: usize>(
-    columns: &[[R; M]],
-    error: &[R; M],
-    change: &mut [R],
-) {
+pub(super) fn step<R: Real, const M: usize>(columns: &[[R; M]], error: &[R; M], change: &mut [R]) {
     let mut through = [R::zero(); M];
     let mut gradient2 = R::zero();
     let mut trace = R::zero();
