@@ -62,8 +62,12 @@ fn run_task<'a, R: Real, const FEEDBACK: bool>(
 ) -> bool {
     let scale = plan.rotation_scale;
     match plan.task {
-        Task::Position => Engine::<R, _, 3, FEEDBACK>::new(plan, PositionRows).run(next, keep_going),
-        Task::Pose => Engine::<R, _, 6, FEEDBACK>::new(plan, PoseRows { scale }).run(next, keep_going),
+        Task::Position => {
+            Engine::<R, _, 3, FEEDBACK>::new(plan, PositionRows).run(next, keep_going)
+        }
+        Task::Pose => {
+            Engine::<R, _, 6, FEEDBACK>::new(plan, PoseRows { scale }).run(next, keep_going)
+        }
         Task::Axis { tool_axis } => {
             let axis = plan.tail.direction(tool_axis);
             Engine::<R, _, 5, FEEDBACK>::new(plan, AxisRows { scale, axis }).run(next, keep_going)
@@ -562,7 +566,7 @@ impl Step {
             Self::PseudoInverse { .. } => "pinv",
             Self::Damped { .. } => "dls",
             Self::LevenbergMarquardt { .. } => "lm",
-            Self::ClosedPseudoInverse => "pinv",
+            Self::ClosedPseudoInverse => "pinv-closed",
             Self::CyclicCoordinateDescent => "ccd",
             Self::IkPid(_) => "ik-pid",
             Self::StateSpace(_) => "state-space",

@@ -49,8 +49,7 @@ impl Constants {
         let effective = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
         let sigma_path = (effective + 2.0) / (n + effective + 5.0);
         let rank_one = 2.0 / ((n + 1.3).powi(2) + effective);
-        let rank_mu =
-            2.0 * (effective - 2.0 + 1.0 / effective) / ((n + 2.0).powi(2) + effective);
+        let rank_mu = 2.0 * (effective - 2.0 + 1.0 / effective) / ((n + 2.0).powi(2) + effective);
         let excess = (((effective - 1.0) / (n + 1.0)).sqrt() - 1.0).max(0.0);
         Self {
             weights,
@@ -193,9 +192,7 @@ mod tests {
 
     /// Rosenbrock's bent valley.
     fn valley(x: &[f64]) -> f64 {
-        x.windows(2)
-            .map(|p| 100.0 * (p[1] - p[0] * p[0]).powi(2) + (1.0 - p[0]).powi(2))
-            .sum()
+        x.windows(2).map(|p| 100.0 * (p[1] - p[0] * p[0]).powi(2) + (1.0 - p[0]).powi(2)).sum()
     }
 
     #[test]

@@ -63,7 +63,12 @@ pub struct Problem<'a> {
 
 impl Problem<'_> {
     /// Judges a vector; `poll` is asked whether to go on.
-    pub fn score(&self, x: &[f64], threads: usize, poll: &mut dyn FnMut() -> bool) -> Result<Score> {
+    pub fn score(
+        &self,
+        x: &[f64],
+        threads: usize,
+        poll: &mut dyn FnMut() -> bool,
+    ) -> Result<Score> {
         if self.goals.is_empty() {
             return Err(Error::argument("goals", "at least one training goal", 0));
         }

@@ -86,7 +86,8 @@ pub fn paper_units(length: f64) -> GainUnits {
 
 /// A set of `gains.json`; columns are added to B up to three.
 pub fn state_space(set: &Value, units: GainUnits) -> StateSpace {
-    let a = Matrix { columns: set["A"][0].as_array().expect("rows").len(), values: numbers(&set["A"]) };
+    let a =
+        Matrix { columns: set["A"][0].as_array().expect("rows").len(), values: numbers(&set["A"]) };
     let mut b = Vec::new();
     for row in set["B"].as_array().expect("rows") {
         let mut row = numbers(row);

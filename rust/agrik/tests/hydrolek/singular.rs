@@ -58,7 +58,15 @@ fn a_nudge_is_enough_for_the_transpose_and_damped_steps() {
         let starts = agrik::solve::Starts::One(&q0);
         let task = agrik::task::Task::Position;
         let plan = agrik::solve::Plan::new(
-            &chain, task, law(solver), tolerance, goals, starts, None, 0, 0,
+            &chain,
+            task,
+            law(solver),
+            tolerance,
+            goals,
+            starts,
+            None,
+            0,
+            0,
         )
         .expect("a plan");
         agrik::batch::solve(&plan, 1, &mut || true).expect("answers")

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use agrik::solve::{Pid, StartRule, Status, Step};
 
-use crate::arms::{from_paper, gains, hydrolek, numbers, paper_units, plain, reference, state_space};
+use crate::arms::{
+    from_paper, gains, hydrolek, numbers, paper_units, plain, reference, state_space,
+};
 use crate::solve;
 
 fn step(solver: &str) -> Step {

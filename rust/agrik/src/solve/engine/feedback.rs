@@ -315,10 +315,8 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
                     }
                 }
                 chosen = R::select(wins, norm, chosen);
-                let near = R::and(
-                    tried.position2.le(position2),
-                    tried.orientation2.le(orientation2),
-                );
+                let near =
+                    R::and(tried.position2.le(position2), tried.orientation2.le(orientation2));
                 let wins = R::bits(wins);
                 arrived = R::bits(near) & wins | arrived & !wins;
             }
@@ -363,11 +361,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         let axes = self.workspace.joint_axes();
         let mut moved = R::zero();
         for joint in (0..self.q.len()).rev() {
-            let dq = if compiled.simple {
-                self.nearest(joint, tip)
-            } else {
-                self.newton(joint)
-            };
+            let dq = if compiled.simple { self.nearest(joint, tip) } else { self.newton(joint) };
             let change = self.saturate(joint, dq, mask);
             moved = moved.max(change.abs());
             if compiled.simple {

@@ -9,11 +9,7 @@ const SINGULAR: f64 = 1e-14;
 
 /// `J^T (J J^T)^-1 e`; no change where `J J^T` is singular.
 #[inline(always)]
-pub(super) fn step<R: Real, const M: usize>(
-    columns: &[[R; M]],
-    error: &[R; M],
-    change: &mut [R],
-) {
+pub(super) fn step<R: Real, const M: usize>(columns: &[[R; M]], error: &[R; M], change: &mut [R]) {
     let a = gram(columns);
     let mut trace = a[0][0];
     for (i, row) in a.iter().enumerate().skip(1) {

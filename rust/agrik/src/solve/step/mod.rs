@@ -11,8 +11,8 @@ use std::sync::Arc;
 use crate::error::{Error, Result};
 use crate::lanes::Real;
 
-pub use gains::{GainUnits, Matrix, Pid, PidOrder, StateSpace, StaticGain};
 pub(super) use gains::{Feedback, Sparse, middle};
+pub use gains::{GainUnits, Matrix, Pid, PidOrder, StateSpace, StaticGain};
 
 /// How a step is computed.
 ///
@@ -112,6 +112,15 @@ impl Settings {
     /// Pseudo-inverse.
     pub const PSEUDO_INVERSE: Self = Self {
         step: Step::PseudoInverse { cutoff: 1e-3 },
+        max_iterations: 60,
+        max_restarts: 100,
+        max_step: 1.0,
+        plain: false,
+        start: StartRule::Sampled,
+    };
+    /// Pseudo-inverse in closed form.
+    pub const CLOSED_PSEUDO_INVERSE: Self = Self {
+        step: Step::ClosedPseudoInverse,
         max_iterations: 60,
         max_restarts: 100,
         max_step: 1.0,
