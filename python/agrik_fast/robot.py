@@ -281,7 +281,7 @@ class Robot:
 
     @property
     def frames(self) -> Mapping[str, FloatArray]:
-        """Named frames: transform (4, 4), m, that leads a pose of `fk` to that frame.
+        """The named frames, as the (4, 4) transforms (m) that lead a pose of `fk` to them.
 
         ``robot.frames["paper"] @ robot.fk(q)`` is the tool in the frame "paper".
         """
@@ -385,7 +385,8 @@ class Robot:
         seed : int, default 0
             Seed of the random start values, 0 to 2**64 - 1.
         tool : array_like, shape (4, 4), optional
-            Tool in the last link's frame, in place of the robot's own for this call.
+            An offset behind the robot's own tool for this call: the transform from the
+            robot's tool frame to the frame that has to reach the target, m.
         threads : int, optional
             Number of threads; default as set by `agrik_fast.set_num_threads` or the
             environment variable ``AGRIK_NUM_THREADS``, else one per core.

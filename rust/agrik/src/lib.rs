@@ -13,6 +13,4 @@ pub mod lanes;
 pub mod solve;
 pub mod task;
 
-
-
 pub use error::{Error, Result};
