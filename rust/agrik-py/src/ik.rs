@@ -68,7 +68,7 @@ impl Options {
         };
         Ok(Self {
             wanted: task::wanted(given.task, are_poses)?,
-            settings: solver::settings(given.solver)?,
+            settings: solver::settings(given.solver, chain.name())?,
             tolerance,
             tail,
             seed: index("seed", given.seed)?,

@@ -5,6 +5,7 @@ mod build;
 mod chain;
 mod convert;
 mod errors;
+mod gains;
 mod ik;
 mod kinematics;
 mod result;
@@ -12,6 +13,7 @@ mod solver;
 mod targets;
 mod task;
 mod threads;
+mod tune;
 
 use pyo3::prelude::*;
 
@@ -28,6 +30,8 @@ mod _native {
     use solver::default_settings;
     #[pymodule_export]
     use threads::{get_num_threads, set_num_threads, simd_level};
+    #[pymodule_export]
+    use tune::Tuner;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -8,4 +8,6 @@ mod step;
 
 pub use engine::run;
 pub use plan::{Answers, AnswersMut, Goals, Plan, Starts, Status, Tolerance};
-pub use step::{Settings, Step};
+pub use step::{
+    GainUnits, Matrix, Pid, PidOrder, Settings, StartRule, StateSpace, StaticGain, Step,
+};

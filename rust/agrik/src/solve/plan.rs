@@ -1,5 +1,6 @@
 //! What goes into a call (goals, starts, settings) and what comes out of it (answers).
 
+use super::step::{Feedback, StartRule, middle};
 use super::{
     Settings,
     start::{Ranking, Sampler},
@@ -20,6 +21,10 @@ pub enum Status {
     NotFound = 2,
     /// The target or its start held NaN or infinity.
     BadInput = 3,
+    /// No step would change anything any more (feedback laws and plain methods only).
+    Stalled = 4,
+    /// Numbers grew beyond all bounds (feedback laws only).
+    NonFinite = 5,
 }
 
 /// How near is near enough.
@@ -99,6 +104,10 @@ pub struct Plan<'a> {
     pub(super) sampler: Sampler<'a>,
     pub(super) tail: Tail,
     pub(super) rotation_scale: f64,
+    /// The feedback law of the settings, if it is one.
+    pub(super) feedback: Option<Feedback>,
+    /// Where first attempts start if the caller gives no start and the solver has one.
+    usual_start: Option<Vec<f64>>,
     tool_reach: Reach,
     wrist_reach: Option<&'a Reach>,
 }
@@ -158,6 +167,14 @@ impl<'a> Plan<'a> {
         let rotation_scale = rotation_scale(chain.reach().radius);
         let ranking = ranking(&task, &tail, rotation_scale);
         let wrist_reach = if task.fixes_pose() { chain.last_joint_reach() } else { None };
+        let feedback = Feedback::new(&settings, chain, &task, &tail, rotation_scale)?;
+        let usual_start = match settings.start {
+            StartRule::Sampled => None,
+            StartRule::Zero => {
+                Some(chain.variables().iter().map(|v| 0.0f64.clamp(v.lower, v.upper)).collect())
+            }
+            StartRule::Middle => Some(middle(chain)),
+        };
         Ok(Self {
             chain,
             task,
@@ -167,6 +184,8 @@ impl<'a> Plan<'a> {
             starts,
             sampler: Sampler::new(chain, ranking, seed, first_index),
             rotation_scale,
+            feedback,
+            usual_start,
             tail,
             tool_reach,
             wrist_reach,
@@ -184,6 +203,12 @@ impl<'a> Plan<'a> {
     /// The chain.
     pub fn chain(&self) -> &'a Chain {
         self.chain
+    }
+
+    /// Where the first attempt at target `row` starts, unless that is left to chance.
+    #[inline(always)]
+    pub(super) fn start(&self, row: usize) -> Option<&[f64]> {
+        self.starts.row(row, self.chain.dof()).or(self.usual_start.as_deref())
     }
 
     /// The goal of target `row`, or `None` where it or its start is not finite.
