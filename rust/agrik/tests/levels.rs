@@ -75,8 +75,8 @@ impl Call<'_> {
             5,
             first as u64,
         )
-        .unwrap();
-        solve_at(level, &plan, threads, &mut || true).unwrap()
+        .expect("the arguments are in range");
+        solve_at(level, &plan, threads, &mut || true).expect("nobody interrupts")
     }
 
     fn whole(&self, level: Level) -> Answers {
