@@ -23,14 +23,14 @@ pub(super) fn round_small<R: Real>(x: R) -> R {
 
 /// The quarter turns nearest to an angle, as a number and as the low bits of another.
 #[inline(always)]
-pub(super) fn quarter_turns<R: Real>(x: R) -> (R, R) {
+fn quarter_turns<R: Real>(x: R) -> (R, R) {
     let counted = x.mul_add(R::splat(std::f64::consts::FRAC_2_PI), R::splat(ROUND));
     (counted - R::splat(ROUND), counted)
 }
 
 /// `x - quarter_turns * pi / 2`, accurate to the last place for |x| <= 1e4.
 #[inline(always)]
-pub(super) fn reduce<R: Real>(x: R, quarter_turns: R) -> R {
+fn reduce<R: Real>(x: R, quarter_turns: R) -> R {
     let r = quarter_turns.mul_add(R::splat(-HALF_PI[0]), x);
     let r = quarter_turns.mul_add(R::splat(-HALF_PI[1]), r);
     quarter_turns.mul_add(R::splat(-HALF_PI[2]), r)
@@ -48,7 +48,7 @@ fn horner<R: Real, const N: usize>(x: R, coefficients: [f64; N]) -> R {
 
 /// Sine and cosine for |r| <= pi/4.
 #[inline(always)]
-pub(super) fn reduced_sin_cos<R: Real>(r: R) -> (R, R) {
+fn reduced_sin_cos<R: Real>(r: R) -> (R, R) {
     const SIN: [f64; 6] = [
         1.589_690_995_211_55e-10,
         -2.505_076_025_340_686_3e-8,
@@ -74,6 +74,19 @@ pub(super) fn reduced_sin_cos<R: Real>(r: R) -> (R, R) {
     let lost = (R::splat(1.0) - w) - half;
     let cos = w + (r2 * r2).mul_add(horner(r2, COS), lost);
     (sin, cos)
+}
+
+/// Sine and cosine of the angle left after the nearest quarter turns are taken off, and a
+/// number whose lowest bits count those: an odd count exchanges the two, bit 1 of the count
+/// changes the sine's sign, bit 1 of the count plus one the cosine's.
+///
+/// What every number type's [`Real::sin_cos`] is made of; the rest is integer work that
+/// each does in its own way.
+#[inline(always)]
+pub fn sin_cos_by_quadrant<R: Real>(x: R) -> (R, R, R) {
+    let (quarter_turns, counted) = quarter_turns(x);
+    let (sin, cos) = reduced_sin_cos(reduce(x, quarter_turns));
+    (sin, cos, counted)
 }
 
 /// `acos(c) / sqrt(1 - c^2)` for c in [0, 1]: the factor from the sine of a rotation

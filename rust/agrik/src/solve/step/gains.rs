@@ -265,7 +265,7 @@ impl Around<'_> {
         let rows: Vec<f64> = units.rotation.concat();
         let frame = Matrix3::from_row_slice(&rows);
         let off = (frame * frame.transpose() - Matrix3::identity()).amax();
-        if !(off < 1e-9) {
+        if off.is_nan() || off >= 1e-9 {
             return Err(Error::argument("frame", "a matrix with R R^T = 1", format!("{rows:?}")));
         }
         let from_world = frame * self.chain.base().rotation.matrix().transpose();

@@ -231,9 +231,9 @@ impl Step {
     }
 
     /// The change of the joint values. Columns of joints that are held are zero; so is
-    /// their change.
+    /// their change. `columns` are those of the Jacobian, in the task's rows.
     #[inline(always)]
-    pub(super) fn compute<R: Real, const M: usize>(
+    pub fn compute<R: Real, const M: usize>(
         &self,
         columns: &[[R; M]],
         error: &[R; M],
