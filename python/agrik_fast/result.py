@@ -27,3 +27,9 @@ class Status(IntEnum):
 
     BAD_INPUT = 3
     """The target or its start value holds NaN or infinity."""
+
+    STALLED = 4
+    """The best attempt came to rest; told by feedback solvers and `solvers.Plain` only."""
+
+    NON_FINITE = 5
+    """Numbers of a feedback solver grew beyond all bounds, as those of an unstable A do."""
