@@ -300,4 +300,12 @@ def get_num_threads() -> int:
     """Return the number of threads that a batch call uses by default."""
 
 def simd_level() -> str:
-    """Return the instruction set the batch loops were dispatched to on this machine."""
+    """Return the instruction set that the batch loops use in this process.
+
+    Returns
+    -------
+    str
+        "scalar", "neon", "avx2" or "avx512": the highest that the machine has, or the one
+        that the environment variable ``AGRIK_SIMD`` names. A name that the machine does not
+        have is a `RuntimeWarning` when the compiled module is first used.
+    """

@@ -71,7 +71,7 @@ impl Options {
         };
         Ok(Self {
             wanted: task::wanted(given.task, are_poses)?,
-            solver: solver::chosen(given.solver)?,
+            solver: solver::chosen(given.solver, chain.name())?,
             tolerance,
             tail,
             seed: index("seed", given.seed)?,
@@ -159,8 +159,8 @@ impl<'py> Call<'py> {
         points: &'a mut Vec<[f64; 3]>,
     ) -> PyResult<Plan<'a>> {
         let options = &self.options;
-        let settings = match options.solver {
-            Chosen::Step(settings) => settings,
+        let settings = match &options.solver {
+            Chosen::Step(settings) => settings.clone(),
             Chosen::Population(_) => Settings::LEVENBERG_MARQUARDT,
         };
         let direction = options.wanted.direction;
@@ -188,14 +188,14 @@ pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResu
     let leading = call.targets.leading_shape().to_vec();
     let threads = call.options.threads;
     let mut signals = Signals::new();
-    let answers = match call.options.solver {
+    let answers = match &call.options.solver {
         Chosen::Step(_) if plan.len() <= 1 => {
             batch::solve(&plan, 1, &mut || signals.go_on_attached(py))
         }
         Chosen::Step(_) => detached(py, &plan, threads, &mut signals),
         Chosen::Population(settings) => {
             let evolution =
-                Evolution::new(plan, settings).map_err(|error| errors::from_core(py, error))?;
+                Evolution::new(plan, *settings).map_err(|error| errors::from_core(py, error))?;
             detached(py, &evolution, threads, &mut signals)
         }
     };

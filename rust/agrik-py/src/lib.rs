@@ -6,6 +6,7 @@ mod chain;
 mod convert;
 mod errors;
 mod follow;
+mod gains;
 mod ik;
 mod kinematics;
 mod population;
@@ -14,6 +15,7 @@ mod solver;
 mod targets;
 mod task;
 mod threads;
+mod tune;
 
 use pyo3::prelude::*;
 
@@ -30,10 +32,13 @@ mod _native {
     use solver::default_settings;
     #[pymodule_export]
     use threads::{get_num_threads, set_num_threads, simd_level};
+    #[pymodule_export]
+    use tune::Tuner;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-        errors::warn_of_debug_build(module.py())
+        errors::warn_of_debug_build(module.py())?;
+        threads::warn_of_unmet_wish(module.py())
     }
 }

@@ -38,7 +38,7 @@ pub struct IkResult {
     shape: Vec<usize>,
     dof: usize,
     /// Rows by status.
-    counts: [usize; 5],
+    counts: [usize; 6],
     q: Column<f64>,
     status: Column<u8>,
     success: Column<bool>,
@@ -51,7 +51,7 @@ pub struct IkResult {
 impl IkResult {
     /// The record of answers to targets of a leading shape.
     pub fn new(shape: Vec<usize>, dof: usize, answers: Answers) -> Self {
-        let mut counts = [0; 5];
+        let mut counts = [0; 6];
         for status in &answers.status {
             if let Some(count) = counts.get_mut(usize::from(*status)) {
                 *count += 1;
@@ -121,7 +121,8 @@ impl IkResult {
     }
 
     fn __repr__(&self) -> String {
-        let names = ["converged", "out of reach", "not found", "bad input", "stalled"];
+        let names =
+            ["converged", "out of reach", "not found", "bad input", "stalled", "non-finite"];
         let parts: Vec<String> = self
             .counts
             .iter()

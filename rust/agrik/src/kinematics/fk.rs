@@ -1,7 +1,7 @@
 //! The pass from base to tool: one sine and cosine per joint, nothing allocated.
 
 use crate::chain::{Compiled, Twist};
-use crate::lanes::{Real, V3, axpy, blend, negate, scale, splat3};
+use crate::lanes::{Real, V3, axpy, blend, cross, dot, negate, scale, splat3, sub};
 
 /// Where a joint stands: a point on its axis and the axis, both in the world.
 #[derive(Debug, Clone, Copy)]
@@ -10,6 +10,23 @@ pub struct Axis<R> {
     pub origin: V3<R>,
     /// Unit vector along the axis.
     pub direction: V3<R>,
+}
+
+impl<R: Real> Axis<R> {
+    /// A direction turned about the axis by the angle of a sine and cosine (Rodrigues).
+    #[inline(always)]
+    pub fn turned(&self, v: V3<R>, sine: R, cosine: R) -> V3<R> {
+        let a = self.direction;
+        let along = dot(a, v) * (R::splat(1.0) - cosine);
+        axpy(a, along, blend(v, cosine, cross(a, v), sine))
+    }
+
+    /// A point turned about the axis by the angle of a sine and cosine.
+    #[inline(always)]
+    pub fn turned_point(&self, p: V3<R>, sine: R, cosine: R) -> V3<R> {
+        let turned = self.turned(sub(p, self.origin), sine, cosine);
+        axpy(self.origin, R::splat(1.0), turned)
+    }
 }
 
 /// Buffers of one evaluation, sized once for a chain and used again and again.
@@ -49,6 +66,14 @@ impl<R: Real> Workspace<R> {
     #[inline(always)]
     pub fn joint_axes(&self) -> [V3<R>; 3] {
         [self.x, self.y, self.z]
+    }
+
+    /// Replaces the axes of the last moved joint's frame.
+    #[inline(always)]
+    pub fn set_joint_axes(&mut self, [x, y, z]: [V3<R>; 3]) {
+        self.x = x;
+        self.y = y;
+        self.z = z;
     }
 
     /// Axes (columns) of a tool frame given by its columns in the last joint's frame.

@@ -13,8 +13,9 @@ mod trig;
 mod x86;
 
 pub use array::Pack;
-pub use dispatch::{Kernel, Level, dispatch, dispatch_single};
-pub(crate) use trig::angle_over_sine;
+pub use dispatch::{Kernel, Level, VARIABLE, dispatch, dispatch_single};
+pub use trig::sin_cos_by_quadrant;
+pub(crate) use trig::{angle_of, angle_over_sine};
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 

@@ -195,8 +195,7 @@ impl Real for F64x4 {
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (quarter_turns, counted) = trig::quarter_turns(self);
-        let (sin, cos) = trig::reduced_sin_cos(trig::reduce(self, quarter_turns));
+        let (sin, cos, counted) = trig::sin_cos_by_quadrant(self);
         // SAFETY: invariant of this file.
         unsafe {
             let n = _mm256_castpd_si256(counted.0);
@@ -278,8 +277,7 @@ impl Real for F64x8 {
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (quarter_turns, counted) = trig::quarter_turns(self);
-        let (sin, cos) = trig::reduced_sin_cos(trig::reduce(self, quarter_turns));
+        let (sin, cos, counted) = trig::sin_cos_by_quadrant(self);
         // SAFETY: invariant of this file.
         unsafe {
             let n = _mm512_castpd_si512(counted.0);

@@ -13,4 +13,6 @@ mod step;
 pub use follow::{Follow, Path};
 pub use plan::{Answers, AnswersMut, Goals, Plan, Starts, Status, Tolerance};
 pub use rows::Solve;
-pub use step::{Settings, Step};
+pub use step::{
+    GainUnits, Matrix, Pid, PidOrder, Settings, StartRule, StateSpace, StaticGain, Step,
+};

@@ -1,5 +1,6 @@
 //! What goes into a call (goals, starts, settings) and what comes out of it (answers).
 
+use super::step::{Feedback, StartRule, middle};
 use super::{
     Settings,
     start::{Ranking, Sampler},
@@ -28,9 +29,11 @@ pub enum Status {
     NotFound = 2,
     /// The target or its start held NaN or infinity.
     BadInput = 3,
-    /// The search stood still before it reached the target, as in a local minimum; only of
-    /// solvers that can tell that from not having found it yet.
+    /// The search came to rest before it reached the target, as in a local minimum (feedback
+    /// laws, plain methods and population searches only).
     Stalled = 4,
+    /// Numbers grew beyond all bounds (feedback laws only).
+    NonFinite = 5,
 }
 
 /// How near is near enough.
@@ -114,6 +117,10 @@ pub struct Plan<'a> {
     pub(super) bounds: Option<Vec<(f64, f64)>>,
     /// A second aim: share of the way to a posture that each step tries to go.
     pub(super) pull: Option<(f64, Vec<f64>)>,
+    /// The feedback law of the settings, if it is one.
+    pub(super) feedback: Option<Feedback>,
+    /// Where first attempts start if the caller gives no start and the solver has one.
+    usual_start: Option<Vec<f64>>,
     tool_reach: Reach,
     wrist_reach: Option<&'a Reach>,
 }
@@ -173,6 +180,14 @@ impl<'a> Plan<'a> {
         let rotation_scale = rotation_scale(chain.reach().radius);
         let ranking = ranking(&task, &tail, rotation_scale);
         let wrist_reach = if task.fixes_pose() { chain.last_joint_reach() } else { None };
+        let feedback = Feedback::new(&settings, chain, &task, &tail, rotation_scale)?;
+        let usual_start = match settings.start {
+            StartRule::Sampled => None,
+            StartRule::Zero => {
+                Some(chain.variables().iter().map(|v| 0.0f64.clamp(v.lower, v.upper)).collect())
+            }
+            StartRule::Middle => Some(middle(chain)),
+        };
         Ok(Self {
             chain,
             task,
@@ -184,6 +199,8 @@ impl<'a> Plan<'a> {
             rotation_scale,
             bounds: None,
             pull: None,
+            feedback,
+            usual_start,
             tail,
             tool_reach,
             wrist_reach,
@@ -251,6 +268,12 @@ impl<'a> Plan<'a> {
                 (e.position2, e.orientation2)
             }
         }
+    }
+
+    /// Where the first attempt at target `row` starts, unless that is left to chance.
+    #[inline(always)]
+    pub(super) fn start(&self, row: usize) -> Option<&[f64]> {
+        self.starts.row(row, self.chain.dof()).or(self.usual_start.as_deref())
     }
 
     /// The goal of target `row`, or `None` where it or its start is not finite.
