@@ -216,6 +216,17 @@ class Chain:
     ) -> IkResult:
         """Solve a batch of targets; see `agrik_fast.Robot.ik`."""
 
+    def solver(
+        self,
+        task: object = None,
+        solver: object = None,
+        seed: int | None = None,
+        tool: ArrayLike | None = None,
+        position_tolerance: float | None = None,
+        orientation_tolerance: float | None = None,
+    ) -> TargetSolver:
+        """Make a solver for one target at a time; see `agrik_fast.Robot.solver`."""
+
     def follow(
         self,
         targets: ArrayLike,
@@ -242,6 +253,63 @@ class Chain:
         """Return the best cost of a population solver's first run, generation by generation."""
 
 @final
+class TargetSolver:
+    """A solver for one target at a time, from `Robot.solver`.
+
+    Each call overwrites the values of the one before and allocates no memory.
+    """
+
+    def solve(self, target: ArrayLike, q0: ArrayLike | None = None) -> bool:
+        """Solve one target.
+
+        Parameters
+        ----------
+        target : array_like, shape (4, 4) or (3,)
+            Pose of the tool, or position of the tool point, in the base frame; m. An
+            array of doubles is read without conversion.
+        q0 : array_like, shape (n,), rad or m, optional
+            Start values of the first attempt, for example the last `q`. Default: chosen
+            from the seed.
+
+        Returns
+        -------
+        bool
+            Whether the target was reached: by a final FK check, within the limits.
+
+        Raises
+        ------
+        ArgumentError
+            A wrong shape or type; a transform that is not rigid.
+        """
+
+    @property
+    def q(self) -> NDArray[np.float64]:
+        """Joint values, shape (n,), rad or m: one array, overwritten by each call."""
+
+    @property
+    def success(self) -> bool:
+        """Whether the last target was reached."""
+
+    @property
+    def status(self) -> int:
+        """Code of `agrik_fast.Status` of the last target."""
+
+    @property
+    def position_error(self) -> float:
+        """Distance of the tool point from the last target, m; infinite for bad input."""
+
+    @property
+    def orientation_error(self) -> float:
+        """Angle left to the last target's orientation, rad; 0 for position tasks."""
+
+    @property
+    def iterations(self) -> int:
+        """Steps taken for the last target, over all attempts."""
+
+    @property
+    def restarts(self) -> int:
+        """Attempts after the first for the last target."""
+
 class IkResult:
     """Answers of one `Robot.ik` call; arrays have the targets' leading shape."""
 
