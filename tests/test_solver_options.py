@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 
 import agrik_fast as ik
+from agrik_fast import solvers
 from agrik_fast._native import default_settings
 from agrik_fast.errors import ArgumentError, UnknownNameError
 from agrik_fast.solvers import (
     DampedLeastSquares,
-    DifferentialEvolution,
-    GeneticAlgorithm,
     LevenbergMarquardt,
     PseudoInverse,
     Transpose,
@@ -32,8 +31,9 @@ def test_defaults_are_those_of_the_core(solver: type[Any]) -> None:
 
 
 def test_the_core_knows_no_other_solver() -> None:
-    known = {*SOLVERS, DifferentialEvolution, GeneticAlgorithm}
-    assert set(default_settings()) == {solver.name for solver in known}
+    classes = [getattr(solvers, name) for name in solvers.__all__]
+    named = {it.name for it in classes if isinstance(it, type)} - {solvers.Plain.name}
+    assert set(default_settings()) == named
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -122,8 +122,8 @@ def test_the_caps_hold(solver: type[Any], arm: ik.Robot) -> None:
 def test_an_unknown_solver_names_the_nearest(arm: ik.Robot) -> None:
     with pytest.raises(UnknownNameError) as caught:
         arm.ik(np.eye(4), solver="lmm")
-    message = "unknown solver 'lmm'; did you mean 'lm'? Known: lm, dls, pinv, transpose, de, ga"
-    assert str(caught.value) == message
+    message = "unknown solver 'lmm'; did you mean 'lm'? Known: lm, dls, pinv, "
+    assert str(caught.value).startswith(message)
     with pytest.raises(ArgumentError, match="`solver`: expected a solver"):
         arm.ik(np.eye(4), solver=3)  # type: ignore[arg-type]
 

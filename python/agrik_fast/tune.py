@@ -218,9 +218,7 @@ def tune(
         tuner.advance()
         if report is not None:
             cost = tuner.cost
-            report(
-                Report(evaluations=tuner.evaluations, wanted=tuning.evaluations, cost=cost)
-            )
+            report(Report(evaluations=tuner.evaluations, wanted=tuning.evaluations, cost=cost))
         if checkpoint is not None and time.monotonic() - saved > CHECKPOINT_PERIOD_S:
             _save(checkpoint, identity, tuner.state())
             saved = time.monotonic()
