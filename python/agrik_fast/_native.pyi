@@ -216,6 +216,31 @@ class Chain:
     ) -> IkResult:
         """Solve a batch of targets; see `agrik_fast.Robot.ik`."""
 
+    def follow(
+        self,
+        targets: ArrayLike,
+        max_joint_step: ArrayLike,
+        q0: ArrayLike | None = None,
+        pull: float | None = None,
+        task: Task | str | None = None,
+        seed: int | None = None,
+        tool: ArrayLike | None = None,
+        position_tolerance: float | None = None,
+        orientation_tolerance: float | None = None,
+    ) -> tuple[IkResult, NDArray[np.bool_]]:
+        """Follow a sequence of targets; see `agrik_fast.Robot.follow`."""
+
+    def cost_history(
+        self,
+        target: ArrayLike,
+        solver: Solver | str,
+        task: Task | str | None = None,
+        q0: ArrayLike | None = None,
+        seed: int | None = None,
+        tool: ArrayLike | None = None,
+    ) -> NDArray[np.float64]:
+        """Return the best cost of a population solver's first run, generation by generation."""
+
 @final
 class IkResult:
     """Answers of one `Robot.ik` call; arrays have the targets' leading shape."""
@@ -248,7 +273,7 @@ class IkResult:
     def restarts(self) -> NDArray[np.uint32]:
         """Attempts after the first."""
 
-def default_settings() -> dict[str, dict[str, float]]:
+def default_settings() -> dict[str, dict[str, object]]:
     """Return the default settings of each solver, by the solver's name.
 
     Returns
