@@ -236,3 +236,22 @@ def tune(
                 f"(training: {content.training.solved} of {content.training.goals})"
             )
         typer.echo(f"gains: {output}")
+
+
+@app.command()
+def paper(
+    name: Annotated[str, typer.Argument(help="hydrolek.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
+    force: Annotated[
+        bool, typer.Option("--force", help="Write into a folder that holds files.")
+    ] = False,
+) -> None:
+    """Compute a paper's tables and figures anew and write them to a folder.
+
+    Published values, where there are any, stand beside ours. Needs the extra `papers`.
+    """
+    with _exit_codes():
+        from .paper import reproduce
+
+        for file in reproduce(name, output, force=force):
+            typer.echo(str(file))
