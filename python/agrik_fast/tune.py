@@ -155,7 +155,8 @@ def template(robot: Robot, tuning: Tuning) -> Gains:
     eye = np.eye(robot.dof)
     inputs = gain * (1 - pole) / output
     matrices = {"A": pole * eye, "B": inputs, "C": output * eye}
-    return StateSpace(**{name: matrix_of(name, m) for name, m in matrices.items()}, **common)
+    common |= {name: matrix_of(name, m) for name, m in matrices.items()}
+    return StateSpace(**common)
 
 
 def tune(
@@ -296,7 +297,7 @@ def _prepare(path: Path, identity: dict[str, Any], tuner: Tuner, resume: bool) -
     if not path.exists():
         raise GainFileError(str(path), "no such checkpoint to resume")
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
             other = json.loads(str(stored["identity"]))
             state: FloatArray = stored["state"]
     except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile) as error:

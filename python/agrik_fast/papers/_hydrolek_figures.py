@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from .._checks import FloatArray
 from ._output import figure, save
 
-_STYLES = ("--", "-", "-.")
+# Curves that coincide stay visible: the first is the widest.
+_STYLES = (("--", 3.5), ("-", 1.2), ("-.", 1.6))
 
 
 def error_traces(
@@ -21,8 +22,8 @@ def error_traces(
     drawing = figure(6.4, 3.0 * len(panels))
     for i, (title, curves) in enumerate(panels.items()):
         axes = drawing.add_subplot(len(panels), 1, i + 1)
-        for style, (label, errors) in zip(_STYLES, curves.items(), strict=False):
-            axes.semilogy(1e3 * errors, style, label=label)
+        for (style, width), (label, errors) in zip(_STYLES, curves.items(), strict=False):
+            axes.semilogy(1e3 * errors, style, linewidth=width, label=label)
         axes.axhline(1.0, color="0.7", linewidth=0.8)
         axes.set_title(title)
         axes.set_xlabel(steps)
@@ -43,7 +44,7 @@ def workspace(directory: Path, points: FloatArray, reached: NDArray[np.bool_]) -
         axes.set_xlabel(f"{'xyz'[u]}, mm")
         axes.set_ylabel(f"{'xyz'[v]}, mm")
         axes.set_aspect("equal")
-        axes.legend(loc="lower left")
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     return save(drawing, directory, "figure6")
 
 
