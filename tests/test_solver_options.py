@@ -18,6 +18,8 @@ from agrik_fast.solvers import (
     ClosedPseudoInverse,
     CyclicCoordinateDescent,
     DampedLeastSquares,
+    DifferentialEvolution,
+    GeneticAlgorithm,
     IkPid,
     LevenbergMarquardt,
     PseudoInverse,
@@ -43,7 +45,8 @@ def test_defaults_are_those_of_the_core(solver: type[Any]) -> None:
 
 
 def test_the_core_knows_no_other_solver() -> None:
-    assert set(default_settings()) == {solver.name for solver in SOLVERS + FEEDBACK}
+    known = {*SOLVERS, *FEEDBACK, DifferentialEvolution, GeneticAlgorithm}
+    assert set(default_settings()) == {solver.name for solver in known}
 
 
 @pytest.mark.parametrize("solver", FEEDBACK)

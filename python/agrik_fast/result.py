@@ -29,7 +29,8 @@ class Status(IntEnum):
     """The target or its start value holds NaN or infinity."""
 
     STALLED = 4
-    """The best attempt came to rest; told by feedback solvers and `solvers.Plain` only."""
+    """The search came to rest before it reached the target, as in a local minimum; told by
+    feedback solvers, population solvers without polish and `solvers.Plain` only."""
 
     NON_FINITE = 5
     """Numbers of a feedback solver grew beyond all bounds, as those of an unstable A do."""

@@ -1,9 +1,11 @@
 """Solvers: how a target is reached.
 
-Pass one to `Robot.ik` as an object or, with its defaults, by its name. All solvers
-here are *step solvers*: one loop tests for convergence, takes a step within the joint
-limits, and restarts when an attempt has used up its iterations, from the best of a few
-postures that are drawn at random. They differ in how the step is computed.
+Pass one to `Robot.ik` as an object or, with its defaults, by its name. There are two
+kinds. *Population solvers* (`agrik_fast.population`) search the whole range of the joints
+with many postures at once. *Step solvers*, defined here, share one loop: it tests for
+convergence, takes a step within the joint limits, and restarts when an attempt has used up
+its iterations, from the best of a few postures that are drawn at random. They differ in how
+the step is computed.
 
 Rows of the error and the Jacobian that concern orientation are scaled by a length per
 radian (0.3 times the robot's reach), so that one damping serves metres and radians.
@@ -25,12 +27,15 @@ from ._feedback import (
     StaticGain,
 )
 from .errors import ArgumentError, UnknownNameError
+from .population import DifferentialEvolution, GeneticAlgorithm
 
 __all__ = [
     "Broyden",
     "ClosedPseudoInverse",
     "CyclicCoordinateDescent",
     "DampedLeastSquares",
+    "DifferentialEvolution",
+    "GeneticAlgorithm",
     "IkPid",
     "JacobianSolver",
     "LevenbergMarquardt",
@@ -291,5 +296,5 @@ class Plain:
         whole_number("Plain.max_iterations", self.max_iterations, 1, _LARGEST_COUNT)
 
 
-Solver: TypeAlias = JacobianSolver | Feedback | Plain
+Solver: TypeAlias = JacobianSolver | Feedback | Plain | DifferentialEvolution | GeneticAlgorithm
 """Any solver."""

@@ -113,8 +113,8 @@ def solve(
     solver: Annotated[
         str,
         typer.Option(
-            help="lm, dls, pinv, pinv-closed, transpose, ccd, ik-pid, state-space, static-gain or "
-            "broyden."
+            help="lm, dls, pinv, pinv-closed, transpose, ccd, ik-pid, state-space, static-gain, "
+            "broyden, de or ga."
         ),
     ] = "lm",
     tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-6,
@@ -240,18 +240,13 @@ def tune(
 
 @app.command()
 def paper(
-    name: Annotated[str, typer.Argument(help="hydrolek.")],
+    name: Annotated[str, typer.Argument(help="Whose paper: hydrolek or redundant7.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
-    force: Annotated[
-        bool, typer.Option("--force", help="Write into a folder that holds files.")
-    ] = False,
 ) -> None:
-    """Compute a paper's tables and figures anew and write them to a folder.
-
-    Published values, where there are any, stand beside ours. Needs the extra `papers`.
-    """
+    """Write the tables and figures of a paper, regenerated, beside the published numbers."""
     with _exit_codes():
         from .paper import reproduce
 
-        for file in reproduce(name, output, force=force):
+        files = reproduce(name, output, lambda line: typer.echo(f"{name}: {line}", err=True))
+        for file in files:
             typer.echo(str(file))

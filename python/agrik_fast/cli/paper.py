@@ -1,33 +1,19 @@
-"""What ``agrik-fast paper`` does: find the paper's module and let it write its files."""
+"""``agrik-fast paper``: the tables and figures of a paper, written to a folder."""
 
 from __future__ import annotations
 
-import importlib
+from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 
-from ..errors import ArgumentError, UnknownNameError
+from ..errors import UnknownNameError
 from ..papers import PAPERS
 
 
-def reproduce(name: str, directory: Path, *, force: bool) -> list[Path]:
-    """Write the tables and figures of a paper into a folder and return the files.
-
-    Raises
-    ------
-    UnknownNameError
-        No such paper.
-    ArgumentError
-        The folder holds files and `force` is False.
-    """
+def reproduce(name: str, directory: Path, report: Callable[[str], None]) -> list[Path]:
+    """Write the files of a paper; return their paths."""
     if name not in PAPERS:
         raise UnknownNameError("paper", name, PAPERS)
-    if directory.exists() and not directory.is_dir():
-        raise ArgumentError("output", f"the file {directory}", "a folder")
-    if directory.is_dir() and any(directory.iterdir()) and not force:
-        raise ArgumentError(
-            "output", f"{directory}, which holds files", "an empty or new folder (or --force)"
-        )
-    module = importlib.import_module(f"..papers.{name}", __package__)
-    directory.mkdir(parents=True, exist_ok=True)
-    files: list[Path] = module.reproduce(directory)
+    module = import_module(f"agrik_fast.papers.{name}")
+    files: list[Path] = module.reproduce(directory, report=report)
     return files

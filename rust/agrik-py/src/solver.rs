@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use agrik::solve::{Pid, PidOrder, Settings, StartRule, StateSpace, Step};
+use agrik::solve::{Pid, PidOrder, Settings, StartRule, StateSpace, Step, population as search};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::convert::{real, whole};
-use crate::{errors, gains};
+use crate::{errors, gains, population};
 
 const KNOWN: [(&str, Settings); 10] = [
     ("lm", Settings::LEVENBERG_MARQUARDT),
@@ -26,11 +26,39 @@ const STARTS: [(&str, StartRule); 3] =
 const ORDERS: [(&str, PidOrder); 2] =
     [("tip-first", PidOrder::TipFirst), ("base-first", PidOrder::BaseFirst)];
 
+/// The solver of a call.
+#[derive(Debug, Clone)]
+pub enum Chosen {
+    Step(Settings),
+    Population(search::Settings),
+}
+
+fn names() -> Vec<&'static str> {
+    let steps = KNOWN.iter().map(|(name, _)| *name);
+    steps.chain(population::KNOWN.iter().map(|(name, _)| *name)).collect()
+}
+
 fn named(py: Python<'_>, name: &str) -> PyResult<Settings> {
     KNOWN.into_iter().find(|(known, _)| *known == name).map_or_else(
-        || Err(errors::unknown_name(py, "solver", name, &KNOWN.map(|(known, _)| known))),
+        || Err(errors::unknown_name(py, "solver", name, &names())),
         |(_, settings)| Ok(settings),
     )
+}
+
+/// The solver meant by nothing (the default), a name or an object of `agrik_fast.solvers`
+/// for the robot of that name.
+pub fn chosen(solver: Option<&Bound<'_, PyAny>>, robot: &str) -> PyResult<Chosen> {
+    if let Some(solver) = solver {
+        let is_name = solver.is_instance_of::<PyString>();
+        let name = if is_name { Ok(solver.clone()) } else { solver.getattr("name") };
+        let name = name.and_then(|name| name.extract::<String>()).unwrap_or_default();
+        if let Some((_, defaults)) = population::KNOWN.iter().find(|(known, _)| *known == name) {
+            let settings =
+                if is_name { *defaults } else { population::settings(solver, *defaults)? };
+            return Ok(Chosen::Population(settings));
+        }
+    }
+    Ok(Chosen::Step(settings(solver, robot)?))
 }
 
 /// One of a few words.
@@ -69,7 +97,7 @@ pub fn settings(solver: Option<&Bound<'_, PyAny>>, robot: &str) -> PyResult<Sett
         return named(py, name.to_str()?);
     }
     let name = solver.getattr("name").and_then(|name| name.extract::<String>()).map_err(|_| {
-        let names = KNOWN.map(|(known, _)| known).join(", ");
+        let names = names().join(", ");
         errors::value(
             "solver",
             solver,
@@ -165,6 +193,9 @@ pub fn default_settings(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
             fields.set_item("max_step", settings.max_step)?;
         }
         all.set_item(name, fields)?;
+    }
+    for (name, settings) in &population::KNOWN {
+        all.set_item(name, population::fields(py, settings)?)?;
     }
     Ok(all)
 }

@@ -66,7 +66,7 @@ impl Call<'_> {
         let plan = Plan::new(
             self.chain,
             self.task,
-            self.settings,
+            self.settings.clone(),
             Tolerance::default(),
             Goals::Poses(rows),
             self.starts
@@ -75,8 +75,8 @@ impl Call<'_> {
             5,
             first as u64,
         )
-        .unwrap();
-        solve_at(level, &plan, threads, &mut || true).unwrap()
+        .expect("the arguments are in range");
+        solve_at(level, &plan, threads, &mut || true).expect("nobody interrupts")
     }
 
     fn whole(&self, level: Level) -> Answers {
@@ -124,7 +124,13 @@ fn for_all_calls(mut check: impl FnMut(&Call<'_>, &str)) {
         for task in tasks() {
             for settings in SETTINGS {
                 for starts in [None, Some(&starts[..])] {
-                    let call = Call { chain: &chain, task, settings, targets: &targets, starts };
+                    let call = Call {
+                        chain: &chain,
+                        task,
+                        settings: settings.clone(),
+                        targets: &targets,
+                        starts,
+                    };
                     let step = settings.step.name();
                     check(&call, &format!("{name}, {task:?}, {step}, {}", starts.is_some()));
                 }

@@ -98,12 +98,25 @@ fn turn<R: Real>(axes: [V3<R>; 3], t: [f64; 3]) -> V3<R> {
 /// workspace with the axes of all moving joints and the frame of the last one.
 #[inline(always)]
 pub fn forward<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
+    pass::<R, true>(chain, q, workspace);
+}
+
+/// [`forward`] for those who need the last frame alone: the axes are left as they were.
+#[inline(always)]
+pub fn forward_frame<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
+    pass::<R, false>(chain, q, workspace);
+}
+
+#[inline(always)]
+fn pass<R: Real, const AXES: bool>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
     let start = &chain.start_rotation;
     let (mut x, mut y, mut z) =
         (splat3::<R>(start[0]), splat3::<R>(start[1]), splat3::<R>(start[2]));
     let mut p = splat3::<R>(chain.start_position);
     for (link, axis) in chain.links.iter().zip(&mut workspace.axes) {
-        *axis = Axis { origin: p, direction: z };
+        if AXES {
+            *axis = Axis { origin: p, direction: z };
+        }
         let value = if chain.simple {
             q[link.variable]
         } else {
@@ -117,10 +130,11 @@ pub fn forward<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>)
             (s, c, R::splat(link.d))
         };
         (x, y) = (blend(x, c, y, s), blend(y, c, x, -s));
-        if link.prismatic || link.d != 0.0 {
+        // Asked of the bits, which costs less than asking of the numbers.
+        if link.prismatic || link.d.to_bits() != 0 {
             p = axpy(z, along, p);
         }
-        if link.a != 0.0 {
+        if link.a.to_bits() != 0 {
             p = axpy(x, R::splat(link.a), p);
         }
         match link.twist {

@@ -46,6 +46,16 @@ pub trait Real:
     /// Replaces the number in lane `index` (below [`Real::WIDTH`]).
     fn set_lane(&mut self, index: usize, value: f64);
 
+    /// The first [`Real::WIDTH`] numbers of a slice, which holds at least as many.
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        let mut loaded = Self::splat(0.0);
+        for (lane, x) in from[..Self::WIDTH].iter().enumerate() {
+            loaded.set_lane(lane, *x);
+        }
+        loaded
+    }
+
     /// `self * a + b`, fused where the hardware level has it.
     fn mul_add(self, a: Self, b: Self) -> Self;
     /// Square root.

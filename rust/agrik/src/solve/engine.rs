@@ -7,16 +7,13 @@
 mod feedback;
 
 use self::feedback::{Halt, Memory};
-use super::plan::{AnswersMut, Outcome, Plan, Status};
-use super::step::{Step, dot, squared_norm};
+use super::plan::{AnswersMut, INSIDE, Outcome, Plan, Status};
+use super::step::{Step, dot, pulled, squared_norm};
 use crate::chain::{JointKind, Variable};
 use crate::kinematics::{Workspace, columns, forward};
 use crate::lanes::Real;
 use crate::task::{AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task, TaskError};
 
-/// Share of the tolerance that the loop itself allows, so that rounding in a later check
-/// cannot turn a reached target into a missed one.
-const INSIDE: f64 = 1.0 - 1e-6;
 /// An attempt whose error is below this share of the robot's size is closing in on a
 /// solution, slowly where that is singular: it gets so many times the usual steps.
 const NEAR: f64 = 1e-2;
@@ -131,6 +128,16 @@ impl Limit {
     }
 }
 
+/// The limits of a plan: those of the joints, unless it has narrower ones.
+fn limits(plan: &Plan<'_>) -> Vec<Limit> {
+    match &plan.bounds {
+        None => plan.chain.variables().iter().map(Limit::of).collect(),
+        Some(bounds) => {
+            bounds.iter().map(|&(lower, upper)| Limit { lower, upper, turns: false }).collect()
+        }
+    }
+}
+
 /// A run of rows with the number of its unfinished rows.
 struct Open<'a> {
     run: AnswersMut<'a>,
@@ -154,6 +161,8 @@ struct Engine<'p, R: Real, T, const M: usize, const FEEDBACK: bool> {
     /// Where continuous joints' values are kept near.
     reference: Vec<R>,
     change: Vec<R>,
+    /// The second aim's share of a step.
+    pull: Vec<R>,
     columns: Vec<[R; M]>,
     workspace: Workspace<R>,
     goal: Goal<R>,
@@ -182,7 +191,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             plan,
             rows,
             variables,
-            limits: variables.iter().map(Limit::of).collect(),
+            limits: limits(plan),
             has_continuous: variables.iter().any(|v| v.kind == JointKind::Continuous),
             cap: plan.settings.max_iterations,
             patient_cap: plan.settings.max_iterations.saturating_mul(if plan.settings.plain {
@@ -195,6 +204,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             q: vec![R::zero(); dof],
             reference: vec![R::zero(); dof],
             change: vec![R::zero(); dof],
+            pull: vec![R::zero(); dof],
             columns: vec![[R::zero(); M]; dof],
             workspace: Workspace::new(plan.chain.compiled()),
             goal: Goal::zero(),
@@ -297,8 +307,14 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         });
         // Active set: a joint at a limit whose downhill direction leads outward is held
         // for this step, and the others take over its share.
+        if let Some((gain, toward)) = &self.plan.pull {
+            for ((p, q), to) in self.pull.iter_mut().zip(&self.q).zip(toward) {
+                *p = R::splat(*gain) * (R::splat(*to) - *q);
+            }
+        }
         let plain = self.plan.settings.plain;
-        for ((v, q), column) in self.limits.iter().zip(&self.q).zip(&mut self.columns) {
+        let moves = self.limits.iter().zip(&self.q).zip(&mut self.columns).zip(&mut self.pull);
+        for (((v, q), column), pull) in moves {
             if v.turns || plain {
                 continue;
             }
@@ -309,8 +325,13 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             for x in column.iter_mut() {
                 *x = R::select(held, R::zero(), *x);
             }
+            *pull = R::select(held, R::zero(), *pull);
         }
-        self.plan.settings.step.compute(&self.columns, &error.rows, &mut self.change);
+        if self.plan.pull.is_some() {
+            pulled::step(&self.columns, &error.rows, &self.pull, &mut self.change);
+        } else {
+            self.plan.settings.step.compute(&self.columns, &error.rows, &mut self.change);
+        }
         let squared = squared_norm(&error.rows);
         self.apply(moving, squared)
     }
@@ -498,7 +519,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         if FEEDBACK {
             self.memory.reset(self.plan.feedback.as_ref(), lane);
         }
-        for (i, v) in self.variables.iter().enumerate() {
+        for (i, v) in self.limits.iter().enumerate() {
             self.q[i].set_lane(lane, q[i].clamp(v.lower, v.upper));
             self.reference[i].set_lane(lane, given.map_or(0.0, |start| start[i]));
         }

@@ -4,6 +4,7 @@ mod closed;
 mod damped;
 mod gains;
 mod pseudo_inverse;
+pub(super) mod pulled;
 mod transpose;
 
 use std::sync::Arc;
