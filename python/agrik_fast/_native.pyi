@@ -4,7 +4,7 @@ Users go through `agrik_fast.Robot`, which hands its arguments on; this module c
 and raises the classes of `agrik_fast.errors`.
 """
 
-from typing import TypedDict, final, type_check_only
+from typing import Any, TypedDict, final, type_check_only
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,7 @@ from .tasks import Task
 __all__ = [
     "Chain",
     "IkResult",
+    "Tuner",
     "__version__",
     "default_settings",
     "get_num_threads",
@@ -340,6 +341,96 @@ class IkResult:
     @property
     def restarts(self) -> NDArray[np.uint32]:
         """Attempts after the first."""
+
+@final
+class Tuner:
+    """A search for gains that reach most training goals in the fewest steps."""
+
+    def __new__(
+        cls,
+        chain: Chain,
+        solver: Solver,
+        goals: ArrayLike,
+        shape: str,
+        method: str,
+        population: int,
+        sigma: float,
+        seed: int,
+        start: str,
+        max_iterations: int,
+        tolerance: float,
+        threads: int | None = None,
+    ) -> Tuner:
+        """Prepare a search.
+
+        Parameters
+        ----------
+        chain : Chain
+            The arm.
+        solver : StateSpace, StaticGain or IkPid
+            Gains to start from.
+        goals : array_like, shape (n, 3), m
+            Training goals.
+        shape : {"input", "diagonal", "full"}
+            Free entries of a state space.
+        method : {"pso", "cma"}
+            Particle swarm or CMA-ES.
+        population : int
+            Gain sets a generation, >= 4.
+        sigma : float
+            Deviation of the first generation, > 0.
+        seed : int
+            Seed of the search.
+        start : {"sampled", "zero", "middle"}
+            Where attempts start.
+        max_iterations : int
+            Steps of an attempt.
+        tolerance : float
+            Distance that counts as reached, m.
+        threads : int, optional
+            Number of threads.
+
+        Raises
+        ------
+        ArgumentError
+            A wrong value, or gains that do not fit the chain.
+        """
+
+    @property
+    def dimension(self) -> int:
+        """Number of parameters."""
+
+    @property
+    def evaluations(self) -> int:
+        """Vectors judged so far."""
+
+    @property
+    def cost(self) -> float:
+        """Cost of the best vector so far; infinite before the first generation."""
+
+    @property
+    def best(self) -> NDArray[np.float64]:
+        """The best vector so far; the start before the first generation."""
+
+    def advance(self) -> None:
+        """Go on by one generation."""
+
+    def score(self, vector: ArrayLike) -> tuple[float, int, float]:
+        """Return cost, goals reached and mean steps of a vector on the training goals."""
+
+    def gains(self, vector: ArrayLike) -> dict[str, Any]:
+        """Return the gains of a vector, in the units of the solver it started from.
+
+        Those of IK-PID are in rad per m.
+        """
+
+    def state(self) -> NDArray[np.float64]:
+        """Return everything that changes while the search runs, as numbers."""
+
+    def restore(self, state: ArrayLike) -> None:
+        """Take up the search where `state` left it."""
+
+def default_settings() -> dict[str, dict[str, float]]:
 
 def default_settings() -> dict[str, dict[str, object]]:
     """Return the default settings of each solver, by the solver's name.
