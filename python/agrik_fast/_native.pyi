@@ -15,6 +15,7 @@ from .tasks import Task
 __all__ = [
     "Chain",
     "IkResult",
+    "TargetSolver",
     "Tuner",
     "__version__",
     "default_settings",
@@ -311,6 +312,7 @@ class TargetSolver:
     def restarts(self) -> int:
         """Attempts after the first for the last target."""
 
+@final
 class IkResult:
     """Answers of one `Robot.ik` call; arrays have the targets' leading shape."""
 

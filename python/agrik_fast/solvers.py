@@ -44,6 +44,7 @@ __all__ = [
     "Solver",
     "StateSpace",
     "StaticGain",
+    "StepSolver",
     "Transpose",
 ]
 
@@ -296,5 +297,6 @@ class Plain:
         whole_number("Plain.max_iterations", self.max_iterations, 1, _LARGEST_COUNT)
 
 
-Solver: TypeAlias = JacobianSolver | Feedback | Plain | DifferentialEvolution | GeneticAlgorithm
+StepSolver: TypeAlias = JacobianSolver | Feedback | Plain
+Solver: TypeAlias = StepSolver | DifferentialEvolution | GeneticAlgorithm
 """Any solver."""

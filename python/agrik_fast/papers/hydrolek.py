@@ -28,9 +28,9 @@ from ..solvers import (
     LevenbergMarquardt,
     Plain,
     PseudoInverse,
-    Solver,
     StateSpace,
     StaticGain,
+    StepSolver,
     Transpose,
 )
 from ._hydrolek_published import (
@@ -86,7 +86,7 @@ def static_gain(name: str) -> StaticGain:
     )
 
 
-def methods() -> dict[str, tuple[Solver, str]]:
+def methods() -> dict[str, tuple[StepSolver, str]]:
     """Return the compared solvers with the line of Table II that each stands beside."""
     gain = static_gain("hydrolek_k15_cma")
     return {
@@ -104,7 +104,7 @@ def methods() -> dict[str, tuple[Solver, str]]:
     }
 
 
-def plain(solver: Solver, start: str) -> Solver:
+def plain(solver: StepSolver, start: str) -> StepSolver:
     """Return the solver as the paper runs it: one attempt, full steps, saturation."""
     if isinstance(solver, LevenbergMarquardt):
         # Its active set is what makes it work at limits; one attempt all the same.
@@ -173,7 +173,7 @@ def comparison(robot: Robot, goals: FloatArray, start: str) -> list[list[object]
     return rows
 
 
-def _evaluations(solver: Solver, dof: int, steps: float) -> tuple[float, float]:
+def _evaluations(solver: StepSolver, dof: int, steps: float) -> tuple[float, float]:
     """Return passes of forward kinematics alone, and of it with the Jacobian."""
     if isinstance(solver, IkPid):
         return 2 * dof * steps + 1, 0.0
@@ -184,7 +184,7 @@ def _evaluations(solver: Solver, dof: int, steps: float) -> tuple[float, float]:
 
 def success_counts(robot: Robot) -> list[list[object]]:
     """Return goals reached of 1,000 at 1 mm: published, on sets J (three seeds) and V."""
-    solvers: Mapping[str, Solver] = {
+    solvers: Mapping[str, StepSolver] = {
         "IK-PID, Kp 0.02": IkPid.load("hydrolek_pid_published_kp"),
         "IK-PID, tuned": IkPid.load("hydrolek_pid_published_tuned"),
         "state space, trial": StateSpace.load("hydrolek_trial_published"),
@@ -263,7 +263,7 @@ def singular_start() -> list[list[object]]:
     arm = planar_arm()
     goal = np.array([5.0, 0.0, 0.0])
     five = IkPid(kp=5.0, ki=0.0, kd=0.0, length_unit_m=1.0)
-    solvers: dict[str, Solver] = {
+    solvers: dict[str, StepSolver] = {
         "transpose": Transpose(),
         "pseudo-inverse": PseudoInverse(cutoff=1e-9),
         "damped, 1 m": DampedLeastSquares(damping=1.0),
