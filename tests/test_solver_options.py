@@ -15,14 +15,27 @@ from agrik_fast import solvers
 from agrik_fast._native import default_settings
 from agrik_fast.errors import ArgumentError, UnknownNameError
 from agrik_fast.solvers import (
+    Broyden,
+    ClosedPseudoInverse,
+    CyclicCoordinateDescent,
     DampedLeastSquares,
+    IkPid,
     LevenbergMarquardt,
     PseudoInverse,
+    StateSpace,
+    StaticGain,
     Transpose,
 )
 from agrik_fast.tasks import Axis, Masked, Pose, Position
 
-SOLVERS = (LevenbergMarquardt, DampedLeastSquares, PseudoInverse, Transpose)
+SOLVERS = (
+    LevenbergMarquardt,
+    DampedLeastSquares,
+    PseudoInverse,
+    ClosedPseudoInverse,
+    Transpose,
+)
+FEEDBACK = (CyclicCoordinateDescent, IkPid, StateSpace, StaticGain, Broyden)
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -34,6 +47,14 @@ def test_the_core_knows_no_other_solver() -> None:
     classes = [getattr(solvers, name) for name in solvers.__all__]
     named = {it.name for it in classes if isinstance(it, type)} - {solvers.Plain.name}
     assert set(default_settings()) == named
+
+
+@pytest.mark.parametrize("solver", FEEDBACK)
+def test_defaults_of_feedback_solvers_are_those_of_the_core(solver: type[Any]) -> None:
+    core = default_settings()[solver.name]
+    made = dataclasses.asdict(solver())
+    assert {"max_iterations", "max_restarts"} <= core.keys()
+    assert {name: made[name] for name in core} == core
 
 
 @pytest.mark.parametrize("solver", SOLVERS)

@@ -15,13 +15,23 @@ use arms::{ARMS, arm, points, poses, postures};
 
 /// More than one run of the batch engine, and not a whole number of them.
 const TARGETS: usize = 400;
-const SETTINGS: [Settings; 4] = [
-    Settings::LEVENBERG_MARQUARDT,
-    // Few steps and attempts: targets that are not reached have an answer too.
-    Settings { max_iterations: 12, max_restarts: 2, ..Settings::DAMPED },
-    Settings { max_iterations: 12, max_restarts: 2, ..Settings::PSEUDO_INVERSE },
-    Settings { max_iterations: 40, max_restarts: 1, ..Settings::TRANSPOSE },
-];
+/// Every step; of most few passes and attempts, since targets that are not reached have an
+/// answer too.
+fn all_settings() -> Vec<Settings> {
+    let few = |settings| Settings { max_iterations: 12, max_restarts: 2, ..settings };
+    vec![
+        Settings::LEVENBERG_MARQUARDT,
+        few(Settings::DAMPED),
+        few(Settings::PSEUDO_INVERSE),
+        few(Settings::CLOSED_PSEUDO_INVERSE),
+        few(Settings::TRANSPOSE),
+        few(Settings::DESCENT),
+        few(Settings::IK_PID),
+        few(Settings::STATE_SPACE),
+        few(Settings::STATIC_GAIN),
+        few(Settings::BROYDEN),
+    ]
+}
 
 fn tasks() -> [Task; 4] {
     [
@@ -122,7 +132,7 @@ fn for_all_calls(mut check: impl FnMut(&Call<'_>, &str)) {
         let targets = mixed_targets(&chain);
         let starts = postures(&chain, TARGETS, 12);
         for task in tasks() {
-            for settings in SETTINGS {
+            for settings in all_settings() {
                 for starts in [None, Some(&starts[..])] {
                     let call = Call {
                         chain: &chain,
