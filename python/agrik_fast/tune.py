@@ -22,7 +22,7 @@ import numpy as np
 
 from . import __version__
 from ._checks import FloatArray, whole_number
-from ._feedback import IkPid, StateSpace, StaticGain
+from ._feedback import IkPid, StateSpace, StaticGain, matrix_of
 from ._native import Tuner
 from .errors import ArgumentError, GainFileError, UnknownNameError
 from .gain_file import GainFile, SuccessTable, TrainingTable
@@ -147,14 +147,16 @@ def template(robot: Robot, tuning: Tuning) -> Gains:
     gain = 0.5 * np.linalg.pinv(jacobian, rcond=1e-2) * _CENTIMETRE / units[:, None]
     common |= {"length_unit_m": _CENTIMETRE, "angle_unit_rad": _DEGREE}
     if tuning.solver == "static-gain":
-        return StaticGain(K=gain, **common)
+        return StaticGain(K=matrix_of("K", gain), **common)
     # The signs are the published ones. Inputs of at most one (and a half) leave the search
     # room to grow them: larger ones were seen to end in poorer sets.
     pole = 0.0 if tuning.shape == "input" else -0.5
     output = -float(np.abs(gain).max())
     eye = np.eye(robot.dof)
     inputs = gain * (1 - pole) / output
-    return StateSpace(A=pole * eye, B=inputs, C=output * eye, **common)
+    matrices = {"A": pole * eye, "B": inputs, "C": output * eye}
+    common |= {name: matrix_of(name, m) for name, m in matrices.items()}
+    return StateSpace(**common)
 
 
 def tune(
@@ -218,9 +220,7 @@ def tune(
         tuner.advance()
         if report is not None:
             cost = tuner.cost
-            report(
-                Report(evaluations=tuner.evaluations, wanted=tuning.evaluations, cost=cost)
-            )
+            report(Report(evaluations=tuner.evaluations, wanted=tuning.evaluations, cost=cost))
         if checkpoint is not None and time.monotonic() - saved > CHECKPOINT_PERIOD_S:
             _save(checkpoint, identity, tuner.state())
             saved = time.monotonic()
@@ -297,7 +297,7 @@ def _prepare(path: Path, identity: dict[str, Any], tuner: Tuner, resume: bool) -
     if not path.exists():
         raise GainFileError(str(path), "no such checkpoint to resume")
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
             other = json.loads(str(stored["identity"]))
             state: FloatArray = stored["state"]
     except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile) as error:

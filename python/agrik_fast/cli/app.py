@@ -240,7 +240,7 @@ def tune(
 
 @app.command()
 def paper(
-    name: Annotated[str, typer.Argument(help="Whose paper: redundant7.")],
+    name: Annotated[str, typer.Argument(help="Whose paper: hydrolek or redundant7.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
 ) -> None:
     """Write the tables and figures of a paper, regenerated, beside the published numbers."""

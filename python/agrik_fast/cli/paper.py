@@ -7,9 +7,7 @@ from importlib import import_module
 from pathlib import Path
 
 from ..errors import UnknownNameError
-
-PAPERS = ("redundant7",)
-"""Modules of `agrik_fast.papers` that have a function ``reproduce``."""
+from ..papers import PAPERS
 
 
 def reproduce(name: str, directory: Path, report: Callable[[str], None]) -> list[Path]:

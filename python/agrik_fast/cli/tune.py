@@ -56,8 +56,6 @@ def tune_to_file(
     if not output.parent.is_dir():
         raise ArgumentError("output", str(output), "a name in a folder that exists")
     checkpoint = output.with_name(f"{output.name}.checkpoint.npz")
-    content = tune(
-        Robot.load(robot), tuning, checkpoint=checkpoint, resume=resume, report=_Line()
-    )
+    content = tune(Robot.load(robot), tuning, checkpoint=checkpoint, resume=resume, report=_Line())
     write(output, content)
     return content
