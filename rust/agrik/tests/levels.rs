@@ -14,7 +14,7 @@ use agrik::task::{MaskFrame, Task};
 use arms::{ARMS, arm, points, poses, postures};
 
 /// More than one run of the batch engine, and not a whole number of them.
-const TARGETS: usize = 400;
+const TARGETS: usize = 290;
 /// Every step; of most few passes and attempts, since targets that are not reached have an
 /// answer too.
 fn all_settings() -> Vec<Settings> {
@@ -126,6 +126,15 @@ fn assert_identical(one: &Answers, other: &Answers, what: &str) {
     }
 }
 
+/// Gains stand on fixed axes, and coordinate descent turns towards points alone.
+fn suits(settings: &Settings, task: Task) -> bool {
+    match task {
+        Task::Position => true,
+        Task::Pose => settings.step.name() != "ccd",
+        _ => !settings.plain,
+    }
+}
+
 fn for_all_calls(mut check: impl FnMut(&Call<'_>, &str)) {
     for name in ARMS {
         let chain = arm(name);
@@ -133,6 +142,9 @@ fn for_all_calls(mut check: impl FnMut(&Call<'_>, &str)) {
         let starts = postures(&chain, TARGETS, 12);
         for task in tasks() {
             for settings in all_settings() {
+                if !suits(&settings, task) {
+                    continue;
+                }
                 for starts in [None, Some(&starts[..])] {
                     let call = Call {
                         chain: &chain,
