@@ -362,8 +362,6 @@ class Tuner:
     def restore(self, state: ArrayLike) -> None:
         """Take up the search where `state` left it."""
 
-def default_settings() -> dict[str, dict[str, float]]:
-
 def default_settings() -> dict[str, dict[str, object]]:
     """Return the default settings of each solver, by the solver's name.
 
