@@ -16,7 +16,7 @@ from agrik_fast.errors import GainFileError, UnknownNameError
 from agrik_fast.tune import Tuning, tune
 
 ARM = ik.Robot.load("hydrolek")
-QUICK = Tuning(goals=300, evaluations=400)
+QUICK = Tuning(goals=300, evaluations=400, runs=1)
 
 
 class Killed(Exception):
@@ -64,14 +64,14 @@ def test_other_robots_can_be_tuned(robot):
     content.make()
 
 
-@pytest.mark.parametrize("method", ["pso", "cma"])
-def test_a_killed_run_goes_on_to_the_same_gains(tmp_path, monkeypatch, method):
+@pytest.mark.parametrize(("method", "kill"), [("pso", 200), ("cma", 200), ("pso", 600)])
+def test_a_killed_run_goes_on_to_the_same_gains(tmp_path, monkeypatch, method, kill):
     monkeypatch.setattr(tuning_module, "CHECKPOINT_PERIOD_S", -1.0)
-    tuning = dataclasses.replace(QUICK, goals=50, method=method)
+    tuning = dataclasses.replace(QUICK, goals=50, method=method, runs=2)
     whole = tune(ARM, tuning)
     checkpoint = tmp_path / "run.npz"
     with pytest.raises(Killed):
-        tune(ARM, tuning, checkpoint=checkpoint, report=kill_after(200))
+        tune(ARM, tuning, checkpoint=checkpoint, report=kill_after(kill))
     assert checkpoint.exists()
     resumed = tune(ARM, tuning, checkpoint=checkpoint, resume=True)
     assert resumed == whole

@@ -44,7 +44,6 @@ __all__ = [
     "Solver",
     "StateSpace",
     "StaticGain",
-    "StepSolver",
     "Transpose",
 ]
 
@@ -297,6 +296,5 @@ class Plain:
         whole_number("Plain.max_iterations", self.max_iterations, 1, _LARGEST_COUNT)
 
 
-StepSolver: TypeAlias = JacobianSolver | Feedback | Plain
-Solver: TypeAlias = StepSolver | DifferentialEvolution | GeneticAlgorithm
+Solver: TypeAlias = JacobianSolver | Feedback | Plain | DifferentialEvolution | GeneticAlgorithm
 """Any solver."""

@@ -25,12 +25,13 @@ from ..solvers import (
     CyclicCoordinateDescent,
     DampedLeastSquares,
     IkPid,
+    JacobianSolver,
     LevenbergMarquardt,
     Plain,
     PseudoInverse,
+    Solver,
     StateSpace,
     StaticGain,
-    StepSolver,
     Transpose,
 )
 from ._hydrolek_published import (
@@ -86,7 +87,7 @@ def static_gain(name: str) -> StaticGain:
     )
 
 
-def methods() -> dict[str, tuple[StepSolver, str]]:
+def methods() -> dict[str, tuple[JacobianSolver | Feedback, str]]:
     """Return the compared solvers with the line of Table II that each stands beside."""
     gain = static_gain("hydrolek_k15_cma")
     return {
@@ -104,12 +105,12 @@ def methods() -> dict[str, tuple[StepSolver, str]]:
     }
 
 
-def plain(solver: StepSolver, start: str) -> StepSolver:
+def plain(solver: JacobianSolver | Feedback, start: str) -> Solver:
     """Return the solver as the paper runs it: one attempt, full steps, saturation."""
     if isinstance(solver, LevenbergMarquardt):
         # Its active set is what makes it work at limits; one attempt all the same.
         return replace(solver, max_iterations=CAP, max_restarts=0)
-    return solver if isinstance(solver, Plain) else Plain(solver=solver, start=start)
+    return Plain(solver=solver, start=start)
 
 
 def _start(robot: Robot, start: str) -> FloatArray:
@@ -173,7 +174,7 @@ def comparison(robot: Robot, goals: FloatArray, start: str) -> list[list[object]
     return rows
 
 
-def _evaluations(solver: StepSolver, dof: int, steps: float) -> tuple[float, float]:
+def _evaluations(solver: Solver, dof: int, steps: float) -> tuple[float, float]:
     """Return passes of forward kinematics alone, and of it with the Jacobian."""
     if isinstance(solver, IkPid):
         return 2 * dof * steps + 1, 0.0
@@ -184,7 +185,7 @@ def _evaluations(solver: StepSolver, dof: int, steps: float) -> tuple[float, flo
 
 def success_counts(robot: Robot) -> list[list[object]]:
     """Return goals reached of 1,000 at 1 mm: published, on sets J (three seeds) and V."""
-    solvers: Mapping[str, StepSolver] = {
+    solvers: Mapping[str, Feedback] = {
         "IK-PID, Kp 0.02": IkPid.load("hydrolek_pid_published_kp"),
         "IK-PID, tuned": IkPid.load("hydrolek_pid_published_tuned"),
         "state space, trial": StateSpace.load("hydrolek_trial_published"),
@@ -263,7 +264,7 @@ def singular_start() -> list[list[object]]:
     arm = planar_arm()
     goal = np.array([5.0, 0.0, 0.0])
     five = IkPid(kp=5.0, ki=0.0, kd=0.0, length_unit_m=1.0)
-    solvers: dict[str, StepSolver] = {
+    solvers: dict[str, JacobianSolver | Feedback] = {
         "transpose": Transpose(),
         "pseudo-inverse": PseudoInverse(cutoff=1e-9),
         "damped, 1 m": DampedLeastSquares(damping=1.0),
