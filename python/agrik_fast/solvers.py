@@ -1,7 +1,8 @@
 """Solvers: how a target is reached.
 
-Pass one to `Robot.ik` as an object or, with its defaults, by its name. All solvers
-here are *step solvers*: one loop tests for convergence, takes a step within the joint
+Pass one to `Robot.ik` as an object or, with its defaults, by its name. `ClosedForm`
+computes the answer outright where the arm's geometry allows it; the name "auto" takes it
+there, for full poses, and "lm" elsewhere. All others are *step solvers*: one loop tests for convergence, takes a step within the joint
 limits, and restarts when an attempt has used up its iterations, from the best of a few
 postures that are drawn at random. They differ in how the step is computed.
 
@@ -12,12 +13,13 @@ radian (0.3 times the robot's reach), so that one damping serves metres and radi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, TypeAlias
+from typing import ClassVar, Literal, TypeAlias
 
 from ._checks import real_number, whole_number
 from .errors import ArgumentError
 
 __all__ = [
+    "ClosedForm",
     "DampedLeastSquares",
     "LevenbergMarquardt",
     "PseudoInverse",
@@ -29,7 +31,7 @@ __all__ = [
 _LARGEST_COUNT = 2**32 - 1
 
 
-def _check_loop(solver: Solver) -> None:
+def _check_loop(solver: StepSolver) -> None:
     kind = type(solver).__name__
     whole_number(f"{kind}.max_iterations", solver.max_iterations, 1, _LARGEST_COUNT)
     whole_number(f"{kind}.max_restarts", solver.max_restarts, 0, _LARGEST_COUNT)
@@ -194,5 +196,50 @@ class Transpose:
         _check_loop(self)
 
 
-Solver: TypeAlias = LevenbergMarquardt | DampedLeastSquares | PseudoInverse | Transpose
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClosedForm:
+    """Every branch of the exact solution, and the best of them; named "closed_form".
+
+    For full poses of arms with a closed form (see `Robot.closed_form`): six revolute
+    joints whose last three axes meet, or seven of which also the first three do (S-R-S).
+    No iteration, no random start: `seed` does not matter, and a target without a solution
+    within the limits is proven to have none.
+
+    Parameters
+    ----------
+    choose : {"nearest", "margin", "middle"}, default "nearest"
+        Which of the valid branches is the answer. "nearest": the least sum of squared
+        distances from `q0`, or from the middle of the limits where no `q0` is given.
+        "margin": the one whose worst joint is furthest from its limits, as a share of
+        half the joint's range. "middle": the least sum of squared distances from the
+        middle of the limits, as shares of half the range. Joints without limits do not
+        count in the last two.
+    arm_angle : float, optional
+        Arm angle of an S-R-S arm, rad (see `Robot.arm_angle`). Default: the best one by
+        `choose`, out of all that the limits allow.
+
+    Raises
+    ------
+    ArgumentError
+        A field is out of its range.
+    """
+
+    name: ClassVar[str] = "closed_form"
+    choose: Literal["nearest", "margin", "middle"] = "nearest"
+    arm_angle: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.choose not in ("nearest", "margin", "middle"):
+            raise ArgumentError(
+                "ClosedForm.choose", repr(self.choose), "'nearest', 'margin' or 'middle'"
+            )
+        if self.arm_angle is not None:
+            angle = real_number("ClosedForm.arm_angle", self.arm_angle, unit="rad")
+            object.__setattr__(self, "arm_angle", angle)
+
+
+StepSolver: TypeAlias = LevenbergMarquardt | DampedLeastSquares | PseudoInverse | Transpose
+"""Any solver of the shared loop."""
+
+Solver: TypeAlias = StepSolver | ClosedForm
 """Any solver."""

@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use agrik::chain;
+use agrik::closed_form::ClosedForm;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::branches::Branches;
 use crate::build::{self, DhTable, Frame};
 use crate::convert::{array, transform};
 use crate::ik::{self, Arguments};
@@ -208,5 +210,46 @@ impl Chain {
             first_index,
         };
         ik::solve(py, &self.0, &given)
+    }
+
+    /// All branches of a batch of poses; see `agrik_fast.Robot.ik_all`.
+    #[pyo3(signature = (
+        targets, q0=None, tool=None, threads=None, arm_angle=None, position_tolerance=None,
+        orientation_tolerance=None
+    ))]
+    #[allow(clippy::too_many_arguments)]
+    fn ik_all(
+        &self,
+        py: Python<'_>,
+        targets: &Bound<'_, PyAny>,
+        q0: Option<&Bound<'_, PyAny>>,
+        tool: Option<&Bound<'_, PyAny>>,
+        threads: Option<&Bound<'_, PyAny>>,
+        arm_angle: Option<&Bound<'_, PyAny>>,
+        position_tolerance: Option<&Bound<'_, PyAny>>,
+        orientation_tolerance: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Branches> {
+        let given = Arguments {
+            targets,
+            task: None,
+            solver: None,
+            q0,
+            seed: None,
+            tool,
+            threads,
+            position_tolerance,
+            orientation_tolerance,
+            first_index: None,
+        };
+        ik::solve_all(py, &self.0, &given, arm_angle)
+    }
+
+    /// Family of the chain's closed form, or why it has none: (name, reason).
+    #[getter]
+    fn closed_form(&self) -> (Option<&'static str>, Option<&str>) {
+        match ClosedForm::of(&self.0) {
+            Ok(form) => (Some(form.name()), None),
+            Err(why) => (None, Some(why)),
+        }
     }
 }

@@ -6,15 +6,18 @@
 
 use std::time::{Duration, Instant};
 
-use agrik::batch;
 use agrik::chain::{Chain, Tail};
+use agrik::closed_form::{self, ArmAngle, Choice, ClosedForm, Query};
 use agrik::solve::{Plan, Settings, Starts, Tolerance};
+use agrik::{batch, task::Task};
 use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
 use crate::convert::{self, Floats, numbers, shape_text, transform};
+use crate::branches::Branches;
 use crate::result::IkResult;
+use crate::solver::Solver;
 use crate::targets::{Targets, first_not_rigid, goals, not_rigid_error};
 use crate::{errors, solver, task, threads};
 
@@ -42,7 +45,7 @@ pub struct Arguments<'a, 'py> {
 /// What the targets of a call share.
 struct Options {
     wanted: task::Wanted,
-    settings: Settings,
+    solver: Solver,
     tolerance: Tolerance,
     tail: Option<Tail>,
     seed: u64,
@@ -68,7 +71,7 @@ impl Options {
         };
         Ok(Self {
             wanted: task::wanted(given.task, are_poses)?,
-            settings: solver::settings(given.solver)?,
+            solver: solver::solver(given.solver)?,
             tolerance,
             tail,
             seed: index("seed", given.seed)?,
@@ -120,6 +123,84 @@ impl<'py> Given<'py> {
     }
 }
 
+/// Refuses poses that are no rigid transforms.
+fn check_rigid(py: Python<'_>, leading: &[usize], poses: &[[f64; 16]]) -> PyResult<()> {
+    // Reading a long batch takes a while, during which others may run.
+    let found = if poses.len() > 1 {
+        py.detach(|| first_not_rigid(poses))
+    } else {
+        first_not_rigid(poses)
+    };
+    match found {
+        Some(row) => Err(not_rigid_error(py, leading, row, &poses[row])),
+        None => Ok(()),
+    }
+}
+
+/// Runs a call, without the interpreter where it may take long.
+fn run<T: Send>(
+    py: Python<'_>,
+    rows: usize,
+    threads: usize,
+    work: impl Fn(usize, &mut dyn FnMut() -> bool) -> agrik::Result<T> + Send + Sync,
+) -> PyResult<T> {
+    let mut signals = Signals::new();
+    let answers = if rows <= 1 {
+        work(1, &mut || signals.go_on_attached(py))
+    } else {
+        py.detach(|| work(threads, &mut || signals.go_on_detached()))
+    };
+    answers.map_err(|error| signals.raised.unwrap_or_else(|| errors::from_core(py, error)))
+}
+
+/// All branches of the targets of a call.
+pub fn solve_all(
+    py: Python<'_>,
+    chain: &Chain,
+    given: &Arguments<'_, '_>,
+    arm_angle: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Branches> {
+    let targets = Targets::new(given.targets)?;
+    let leading = targets.leading_shape();
+    if !targets.are_poses() {
+        let expected = "shape (..., 4, 4): closed forms take poses";
+        let mut shape = leading.to_vec();
+        shape.push(3);
+        let received = format!("shape {}", shape_text(&shape));
+        return Err(errors::argument(py, "targets", &received, expected));
+    }
+    let options = Options::new(chain, given, true)?;
+    let q0 = Given::new(given.q0, leading, chain.dof())?;
+    let angles = match arm_angle {
+        None => None,
+        Some(angle) => Some(spread("arm_angle", angle, leading)?),
+    };
+    let values = targets.values()?;
+    let poses: &[[f64; 16]] = values.as_chunks().0;
+    check_rigid(py, leading, poses)?;
+    let plan = Plan::new(
+        chain,
+        Task::Pose,
+        Settings::LEVENBERG_MARQUARDT,
+        options.tolerance,
+        agrik::solve::Goals::Poses(poses),
+        q0.starts()?,
+        options.tail,
+        0,
+        0,
+    )
+    .map_err(|error| errors::from_core(py, error))?;
+    let angle = match &angles {
+        None => ArmAngle::Free,
+        Some(angles) => ArmAngle::Each(angles.values()?),
+    };
+    let query = Query::new(&plan, angle, Choice::default()).map_err(|e| errors::from_core(py, e))?;
+    let all = run(py, plan.len(), options.threads, |threads, poll| {
+        closed_form::all(&query, threads, poll)
+    })?;
+    Ok(Branches::new(leading.to_vec(), chain.dof(), all))
+}
+
 /// Solves the targets of a call.
 pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResult<IkResult> {
     let targets = Targets::new(given.targets)?;
@@ -130,23 +211,17 @@ pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResu
 
     let values = targets.values()?;
     if are_poses {
-        let poses: &[[f64; 16]] = values.as_chunks().0;
-        // Reading a long batch takes a while, during which others may run.
-        let found = if poses.len() > 1 {
-            py.detach(|| first_not_rigid(poses))
-        } else {
-            first_not_rigid(poses)
-        };
-        if let Some(row) = found {
-            return Err(not_rigid_error(py, leading, row, &poses[row]));
-        }
+        check_rigid(py, leading, values.as_chunks().0)?;
     }
     let mut points = Vec::new();
     let direction = options.wanted.direction;
     let plan = Plan::new(
         chain,
         options.wanted.task,
-        options.settings,
+        match options.solver {
+            Solver::Steps(settings) => settings,
+            _ => Settings::LEVENBERG_MARQUARDT,
+        },
         options.tolerance,
         goals(values, are_poses, direction, &mut points),
         q0.starts()?,
@@ -156,16 +231,40 @@ pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResu
     )
     .map_err(|error| errors::from_core(py, error))?;
 
-    let mut signals = Signals::new();
-    let answers = if plan.len() <= 1 {
-        batch::solve(&plan, 1, &mut || signals.go_on_attached(py))
-    } else {
-        py.detach(|| batch::solve(&plan, options.threads, &mut || signals.go_on_detached()))
+    let query = match options.solver {
+        Solver::Steps(_) => None,
+        Solver::ClosedForm { choice, arm_angle } => {
+            let angle = arm_angle.map_or(ArmAngle::Free, ArmAngle::One);
+            Some(Query::new(&plan, angle, choice).map_err(|error| errors::from_core(py, error))?)
+        }
+        Solver::Auto if plan.task().fixes_pose() && ClosedForm::of(chain).is_ok() => Some(
+            Query::new(&plan, ArmAngle::Free, Choice::default())
+                .map_err(|error| errors::from_core(py, error))?,
+        ),
+        Solver::Auto => None,
     };
-    match answers {
-        Ok(answers) => Ok(IkResult::new(leading.to_vec(), chain.dof(), answers)),
-        Err(error) => Err(signals.raised.unwrap_or_else(|| errors::from_core(py, error))),
-    }
+    let answers = run(py, plan.len(), options.threads, |threads, poll| match &query {
+        Some(query) => closed_form::best(query, threads, poll),
+        None => batch::solve(&plan, threads, poll),
+    })?;
+    Ok(IkResult::new(leading.to_vec(), chain.dof(), answers))
+}
+
+/// Numbers of an argument that broadcasts to the targets' leading shape.
+fn spread<'py>(
+    argument: &str,
+    value: &Bound<'py, PyAny>,
+    leading: &[usize],
+) -> PyResult<Floats<'py>> {
+    static BROADCAST_TO: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let py = value.py();
+    let array = numbers(argument, value)?;
+    let broadcast_to = BROADCAST_TO.import(py, "numpy", "broadcast_to")?;
+    let full = broadcast_to.call1((&array, leading.to_vec())).map_err(|_| {
+        let expected = format!("{}, or one that broadcasts to it", shape_text(leading));
+        convert::wrong_shape(py, argument, array.shape(), &expected)
+    })?;
+    Floats::new(argument, &full)
 }
 
 /// Asks Python from time to time whether a signal (Ctrl-C) ends the call.

@@ -10,17 +10,17 @@ use pyo3::sync::PyOnceLock;
 use crate::convert::{array, internal};
 
 /// Numbers that become an array, once, by handing over their memory.
-struct Column<T> {
+pub(crate) struct Column<T> {
     values: Mutex<Vec<T>>,
     array: PyOnceLock<Py<PyArrayDyn<T>>>,
 }
 
 impl<T: Element + Copy> Column<T> {
-    fn new(values: Vec<T>) -> Self {
+    pub(crate) fn new(values: Vec<T>) -> Self {
         Self { values: Mutex::new(values), array: PyOnceLock::new() }
     }
 
-    fn get<'py>(&self, py: Python<'py>, shape: &[usize]) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+    pub(crate) fn get<'py>(&self, py: Python<'py>, shape: &[usize]) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
         let made = self.array.get_or_try_init(py, || {
             // The lock is let go before Python runs.
             let mut locked = self.values.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,5 +1,6 @@
 //! Solvers: from a name or an object of `agrik_fast.solvers` to the core's settings.
 
+use agrik::closed_form::Choice;
 use agrik::solve::{Settings, Step};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -14,29 +15,65 @@ const KNOWN: [(&str, Settings); 4] = [
     ("transpose", Settings::TRANSPOSE),
 ];
 
+const CLOSED_FORM: &str = "closed_form";
+const AUTO: &str = "auto";
+
+/// How a call gets to its answers.
+#[derive(Debug, Clone, Copy)]
+pub enum Solver {
+    /// The loop of step solvers.
+    Steps(Settings),
+    /// All branches, and the best of them at an arm angle (`None`: at the best one).
+    ClosedForm { choice: Choice, arm_angle: Option<f64> },
+    /// A closed form where there is one, else the default step solver.
+    Auto,
+}
+
 fn named(py: Python<'_>, name: &str) -> PyResult<Settings> {
     match KNOWN.iter().find(|(known, _)| *known == name) {
         Some((_, settings)) => Ok(*settings),
-        None => Err(errors::unknown_name(py, "solver", name, &KNOWN.map(|(known, _)| known))),
+        None => {
+            let mut known: Vec<&str> = KNOWN.iter().map(|(known, _)| *known).collect();
+            known.extend([CLOSED_FORM, AUTO]);
+            Err(errors::unknown_name(py, "solver", name, &known))
+        }
     }
 }
 
-/// The settings meant by nothing (the default), a name or an object with the fields of
-/// that solver.
-pub fn settings(solver: Option<&Bound<'_, PyAny>>) -> PyResult<Settings> {
+/// The solver meant by nothing (the default), a name or an object with the fields of that
+/// solver.
+pub fn solver(solver: Option<&Bound<'_, PyAny>>) -> PyResult<Solver> {
     let Some(solver) = solver else {
-        return Ok(Settings::LEVENBERG_MARQUARDT);
+        return Ok(Solver::Steps(Settings::LEVENBERG_MARQUARDT));
     };
     let py = solver.py();
     if let Ok(name) = solver.cast::<PyString>() {
-        return named(py, name.to_str()?);
+        return match name.to_str()? {
+            CLOSED_FORM => Ok(Solver::ClosedForm { choice: Choice::default(), arm_angle: None }),
+            AUTO => Ok(Solver::Auto),
+            other => named(py, other).map(Solver::Steps),
+        };
     }
     let name = solver.getattr("name").and_then(|name| name.extract::<String>()).map_err(|_| {
-        let expected = "a solver of agrik_fast.solvers or one of lm, dls, pinv, transpose";
+        let expected = "a solver of agrik_fast.solvers or one of lm, dls, pinv, transpose, closed_form, auto";
         errors::value("solver", solver, expected)
     })?;
-    let mut settings = named(py, &name)?;
     let field = |name: &str| solver.getattr(name);
+    if name == CLOSED_FORM {
+        let choose = field("choose")?;
+        let choice = match choose.extract::<String>().as_deref() {
+            Ok("nearest") => Choice::Nearest,
+            Ok("margin") => Choice::Margin,
+            Ok("middle") => Choice::Middle,
+            _ => {
+                return Err(errors::value("choose", &choose, "'nearest', 'margin' or 'middle'"));
+            }
+        };
+        let angle = field("arm_angle")?;
+        let arm_angle = if angle.is_none() { None } else { Some(real("arm_angle", &angle)?) };
+        return Ok(Solver::ClosedForm { choice, arm_angle });
+    }
+    let mut settings = named(py, &name)?;
     let count = |name: &str| Ok::<_, PyErr>(whole(name, &field(name)?, 0, u32::MAX.into())? as u32);
     match &mut settings.step {
         Step::Transpose => {}
@@ -48,7 +85,7 @@ pub fn settings(solver: Option<&Bound<'_, PyAny>>) -> PyResult<Settings> {
     settings.max_iterations = count("max_iterations")?;
     settings.max_restarts = count("max_restarts")?;
     settings.max_step = real("max_step", &field("max_step")?)?;
-    Ok(settings)
+    Ok(Solver::Steps(settings))
 }
 
 /// Return the default settings of each solver, by the solver's name.

@@ -7,12 +7,11 @@
 
 pub mod batch;
 pub mod chain;
+pub mod closed_form;
 pub mod error;
 pub mod kinematics;
 pub mod lanes;
 pub mod solve;
 pub mod task;
-
-
 
 pub use error::{Error, Result};

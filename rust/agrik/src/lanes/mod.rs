@@ -14,7 +14,7 @@ mod x86;
 
 pub use array::Pack;
 pub use dispatch::{Kernel, Level, dispatch, dispatch_single};
-pub(crate) use trig::angle_over_sine;
+pub(crate) use trig::{angle_over_sine, atan2};
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 

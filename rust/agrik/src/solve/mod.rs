@@ -7,5 +7,6 @@ mod start;
 mod step;
 
 pub use engine::run;
+pub(crate) use plan::Outcome;
 pub use plan::{Answers, AnswersMut, Goals, Plan, Starts, Status, Tolerance};
 pub use step::{Settings, Step};

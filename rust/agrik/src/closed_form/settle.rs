@@ -1,0 +1,201 @@
+//! What every closed form does with its candidates: whole turns that bring each joint
+//! inside its limits, and the check by forward kinematics.
+
+use std::f64::consts::TAU;
+
+use super::candidates::{BRANCHES, Candidate, JOINTS, Lanes};
+use super::turn::Turn;
+use super::{ClosedForm, geometry::Geometry};
+use crate::chain::{Chain, Compiled, Tail, Variable};
+use crate::kinematics::{Workspace, forward};
+use crate::lanes::{Real, dot, sub};
+use crate::solve::Tolerance;
+use crate::task::Goal;
+
+/// A joint value this far past a limit is rounding, and is put on the limit, rad.
+const SLACK: f64 = 1e-10;
+
+/// A joint's limits and the value that it stays near.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limit {
+    pub lower: f64,
+    pub upper: f64,
+    /// Middle of the limits; 0 where there are none.
+    pub middle: f64,
+    /// Half their distance; infinite where there are none.
+    pub half: f64,
+}
+
+impl Limit {
+    fn of(v: &Variable) -> Self {
+        let bounded = v.lower.is_finite() && v.upper.is_finite();
+        let middle = if bounded { 0.5 * (v.lower + v.upper) } else { 0.0 };
+        let half = if bounded { 0.5 * (v.upper - v.lower) } else { f64::INFINITY };
+        Self { lower: v.lower, upper: v.upper, middle, half }
+    }
+}
+
+/// One lane group at work: goals in, checked branches out.
+pub(super) struct Group<'a, R> {
+    pub form: &'a ClosedForm,
+    pub compiled: &'a Compiled,
+    geometry: &'a Geometry,
+    tail: Tail,
+    position_limit2: f64,
+    chord_limit2: f64,
+    /// Limits along the chain.
+    pub limits: [Limit; JOINTS],
+    pub joints: usize,
+    /// Values along the chain that the answers stay near.
+    pub centre: [R; JOINTS],
+    preferred: [Turn<R>; JOINTS],
+    pub goal: Goal<R>,
+    /// Sine and cosine of the arm angle.
+    pub angle: Turn<R>,
+    pub candidates: [Candidate<R>; BRANCHES],
+    pub reached: [Lanes; BRANCHES],
+    pub inside: [Lanes; BRANCHES],
+    /// Squared distance left, m^2.
+    pub position2: [R; BRANCHES],
+    /// Squared chord left between the wanted and the present axes.
+    pub chord2: [R; BRANCHES],
+    workspace: Workspace<R>,
+    /// Values in the order of `q`.
+    ordered: [R; JOINTS],
+}
+
+impl<'a, R: Real> Group<'a, R> {
+    #[inline(always)]
+    pub fn new(chain: &'a Chain, form: &'a ClosedForm, tail: Tail, tolerance: Tolerance) -> Self {
+        let geometry = form.geometry();
+        let none = Limit { lower: 0.0, upper: 0.0, middle: 0.0, half: f64::INFINITY };
+        let mut limits = [none; JOINTS];
+        for (limit, variable) in limits.iter_mut().zip(&geometry.variables) {
+            *limit = Limit::of(&chain.variables()[*variable]);
+        }
+        let turn = (R::zero(), R::splat(1.0));
+        let mut group = Self {
+            form,
+            compiled: chain.compiled(),
+            geometry,
+            tail,
+            position_limit2: tolerance.position * tolerance.position,
+            // A rotation by x moves the three unit axes by 2 sin(x / 2) sqrt(2) in all.
+            chord_limit2: 8.0 * (0.5 * tolerance.orientation.min(3.0)).sin().powi(2),
+            limits,
+            joints: geometry.variables.len(),
+            centre: [R::zero(); JOINTS],
+            preferred: [turn; JOINTS],
+            goal: Goal::zero(),
+            angle: turn,
+            candidates: [Candidate::none(); BRANCHES],
+            reached: [0; BRANCHES],
+            inside: [0; BRANCHES],
+            position2: [R::zero(); BRANCHES],
+            chord2: [R::zero(); BRANCHES],
+            workspace: Workspace::new(chain.compiled()),
+            ordered: [R::zero(); JOINTS],
+        };
+        for (centre, limit) in group.centre.iter_mut().zip(&group.limits) {
+            *centre = R::splat(limit.middle);
+        }
+        group.prefer();
+        group
+    }
+
+    /// Makes `q` (in the order of `q`) the centre of one lane; [`Self::prefer`] is due.
+    #[inline(always)]
+    pub fn set_centre(&mut self, lane: usize, q: &[f64]) {
+        for (j, variable) in self.geometry.variables.iter().enumerate() {
+            let Limit { lower, upper, .. } = self.limits[j];
+            self.centre[j].set_lane(lane, q[*variable].clamp(lower, upper));
+        }
+    }
+
+    /// Angles that nothing decides are taken from the centre from now on.
+    #[inline(always)]
+    pub fn prefer(&mut self) {
+        let g = self.geometry;
+        for j in 0..self.joints {
+            let offset = if j + 1 < self.joints { g.links[j].theta } else { g.last_theta };
+            self.preferred[j] = (self.centre[j] + R::splat(offset)).sin_cos();
+        }
+    }
+
+    /// Solves the goals.
+    #[inline(always)]
+    pub fn solve(&mut self) {
+        let tool = self.tail.translation;
+        self.form.solve(&self.goal, tool, self.angle, &self.preferred, &mut self.candidates);
+        for b in 0..BRANCHES {
+            self.settle(b);
+        }
+    }
+
+    /// Brings a branch within limits and checks it.
+    #[inline(always)]
+    pub fn settle(&mut self, b: usize) {
+        let candidate = &mut self.candidates[b];
+        let mut inside = R::mask_from_bits(u32::MAX);
+        for j in 0..self.joints {
+            let limit = self.limits[j];
+            let (lower, upper) = (R::splat(limit.lower), R::splat(limit.upper));
+            let turn = R::splat(TAU);
+            let x = candidate.q[j];
+            let turns = ((self.centre[j] - x) * R::splat(1.0 / TAU)).round();
+            let x = turns.mul_add(turn, x);
+            // The nearest to the centre may be just outside, and the next one inside.
+            let slack = R::splat(SLACK);
+            let x = R::select((upper + slack).lt(x), x - turn, x);
+            let x = R::select(x.lt(lower - slack), x + turn, x);
+            let held = x.max(lower).min(upper);
+            let near = (x - held).abs().le(slack);
+            inside = R::and(inside, near);
+            let x = R::select(near, held, x);
+            candidate.q[j] = x;
+            self.ordered[self.geometry.variables[j]] = x;
+        }
+        self.inside[b] = R::bits(inside);
+        forward(self.compiled, &self.ordered, &mut self.workspace);
+        let axes = self.workspace.joint_axes();
+        let mut chord2 = R::zero();
+        for (axis, wanted) in axes.iter().zip(&self.goal.axes) {
+            let d = sub(*axis, *wanted);
+            chord2 += dot(d, d);
+        }
+        let d = sub(self.workspace.tool_point(self.tail.translation), self.goal.position);
+        let position2 = dot(d, d);
+        let near = R::and(
+            position2.le(R::splat(self.position_limit2)),
+            chord2.le(R::splat(self.chord_limit2)),
+        );
+        self.position2[b] = position2;
+        self.chord2[b] = chord2;
+        self.reached[b] = R::bits(near) & !candidate.merged;
+    }
+
+    /// Which entry of `q` each joint along the chain is.
+    pub fn variables(&self) -> &'a [usize] {
+        &self.geometry.variables
+    }
+
+    /// Joint values inside the limits, in place of an answer.
+    pub fn stand_in(&self, q: &mut [f64]) {
+        for (variable, limit) in self.geometry.variables.iter().zip(&self.limits) {
+            q[*variable] = 0.0_f64.clamp(limit.lower, limit.upper);
+        }
+    }
+
+    /// Axes of the last joint's frame and the tool point at `q`.
+    pub fn pose(&self, q: &[f64]) -> ([[f64; 3]; 3], [f64; 3]) {
+        let mut workspace = Workspace::new(self.compiled);
+        forward(self.compiled, q, &mut workspace);
+        (workspace.joint_axes(), workspace.tool_point(self.tail.translation))
+    }
+
+    /// Lanes in which a branch is reached and inside the limits.
+    #[inline(always)]
+    pub fn valid(&self, b: usize) -> Lanes {
+        self.reached[b] & self.inside[b]
+    }
+}
