@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from . import errors, solvers, tasks
     from ._native import __version__, get_num_threads, set_num_threads, simd_level
     from .errors import AgrikError, ArgumentError, RobotFileError, UnknownNameError, UrdfError
-    from .result import IkResult, Status
+    from .result import Branches, IkResult, Singularity, Status
     from .robot import Robot
 else:
     from ._lazy import __dir__ as __dir__
@@ -19,9 +19,11 @@ else:
 __all__ = [
     "AgrikError",
     "ArgumentError",
+    "Branches",
     "IkResult",
     "Robot",
     "RobotFileError",
+    "Singularity",
     "Status",
     "UnknownNameError",
     "UrdfError",

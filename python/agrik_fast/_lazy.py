@@ -8,9 +8,11 @@ import sys
 MODULE_OF = {
     "AgrikError": "errors",
     "ArgumentError": "errors",
+    "Branches": "result",
     "IkResult": "result",
     "Robot": "robot",
     "RobotFileError": "errors",
+    "Singularity": "result",
     "Status": "result",
     "UnknownNameError": "errors",
     "UrdfError": "errors",

@@ -63,7 +63,7 @@ impl Branches {
         self.reached.get(py, &self.with(&[BRANCHES]))
     }
 
-    /// Singularities of each branch, a sum of 1 (shoulder), 2 (elbow) and 4 (wrist).
+    /// Singularities of each branch, a sum of codes of `agrik_fast.Singularity`.
     #[getter]
     fn singular<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
         self.singular.get(py, &self.with(&[BRANCHES]))

@@ -244,6 +244,21 @@ impl Chain {
         ik::solve_all(py, &self.0, &given, arm_angle)
     }
 
+    /// Arm angles, shape (...), rad, of joint values, shape (..., dof), of an S-R-S arm.
+    fn arm_angle<'py>(&self, q: &Bound<'py, PyAny>) -> Array<'py> {
+        kinematics::arm_angle(&self.0, q)
+    }
+
+    /// Arm angles that the limits allow for one pose: for each branch (lower, upper), rad.
+    #[pyo3(signature = (target, tool=None))]
+    fn arm_angle_intervals(
+        &self,
+        target: &Bound<'_, PyAny>,
+        tool: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Vec<Vec<(f64, f64)>>> {
+        kinematics::arm_angle_intervals(&self.0, target, tool)
+    }
+
     /// Family of the chain's closed form, or why it has none: (name, reason).
     #[getter]
     fn closed_form(&self) -> (Option<&'static str>, Option<&str>) {

@@ -36,8 +36,7 @@ impl Choice {
         let q = &group.candidates[b].q;
         let mut sum = R::zero();
         let mut worst = R::splat(f64::MAX);
-        for j in 0..group.joints {
-            let limit = group.limits[j];
+        for (j, limit) in group.limits.iter().enumerate().take(group.joints) {
             match self {
                 Self::Nearest => {
                     let off = q[j] - group.centre[j];

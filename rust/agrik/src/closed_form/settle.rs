@@ -4,6 +4,7 @@
 use std::f64::consts::TAU;
 
 use super::candidates::{BRANCHES, Candidate, JOINTS, Lanes};
+use super::srs::{Reached, Srs};
 use super::turn::Turn;
 use super::{ClosedForm, geometry::Geometry};
 use crate::chain::{Chain, Compiled, Tail, Variable};
@@ -13,7 +14,7 @@ use crate::solve::Tolerance;
 use crate::task::Goal;
 
 /// A joint value this far past a limit is rounding, and is put on the limit, rad.
-const SLACK: f64 = 1e-10;
+pub(super) const SLACK: f64 = 1e-10;
 
 /// A joint's limits and the value that it stays near.
 #[derive(Debug, Clone, Copy)]
@@ -128,13 +129,20 @@ impl<'a, R: Real> Group<'a, R> {
         let tool = self.tail.translation;
         self.form.solve(&self.goal, tool, self.angle, &self.preferred, &mut self.candidates);
         for b in 0..BRANCHES {
-            self.settle(b);
+            self.wrap(b);
+            self.check(b);
         }
     }
 
-    /// Brings a branch within limits and checks it.
+    /// Branches at an arm angle, not yet within limits nor checked.
     #[inline(always)]
-    pub fn settle(&mut self, b: usize) {
+    pub fn solve_at(&mut self, arm: &Srs, at: &Reached<R>, angle: Turn<R>) {
+        arm.solve_at(at, angle, &self.preferred, &mut self.candidates);
+    }
+
+    /// Brings the joints of a branch within limits by whole turns.
+    #[inline(always)]
+    pub fn wrap(&mut self, b: usize) {
         let candidate = &mut self.candidates[b];
         let mut inside = R::mask_from_bits(u32::MAX);
         for j in 0..self.joints {
@@ -153,9 +161,17 @@ impl<'a, R: Real> Group<'a, R> {
             inside = R::and(inside, near);
             let x = R::select(near, held, x);
             candidate.q[j] = x;
-            self.ordered[self.geometry.variables[j]] = x;
         }
         self.inside[b] = R::bits(inside);
+    }
+
+    /// Checks a branch by forward kinematics.
+    #[inline(always)]
+    fn check(&mut self, b: usize) {
+        let candidate = &self.candidates[b];
+        for (x, variable) in candidate.q.iter().zip(&self.geometry.variables) {
+            self.ordered[*variable] = *x;
+        }
         forward(self.compiled, &self.ordered, &mut self.workspace);
         let axes = self.workspace.joint_axes();
         let mut chord2 = R::zero();
@@ -172,6 +188,56 @@ impl<'a, R: Real> Group<'a, R> {
         self.position2[b] = position2;
         self.chord2[b] = chord2;
         self.reached[b] = R::bits(near) & !candidate.merged;
+    }
+
+    /// The tool point in the last joint's frame.
+    #[inline(always)]
+    pub fn tool(&self) -> [f64; 3] {
+        self.tail.translation
+    }
+
+    /// Where angles stand that nothing decides.
+    #[inline(always)]
+    pub fn preferred(&self) -> &[Turn<R>] {
+        &self.preferred
+    }
+
+    /// One lane of this group as a group of its own.
+    pub fn one_lane(&self, lane: usize) -> Group<'a, f64> {
+        let of = |x: &R| x.lane(lane);
+        let turn = |t: &Turn<R>| (of(&t.0), of(&t.1));
+        let none = (0.0, 1.0);
+        let mut centre = [0.0; JOINTS];
+        let mut preferred = [none; JOINTS];
+        for j in 0..JOINTS {
+            centre[j] = of(&self.centre[j]);
+            preferred[j] = turn(&self.preferred[j]);
+        }
+        let goal = Goal {
+            position: [0, 1, 2].map(|i| of(&self.goal.position[i])),
+            axes: [0, 1, 2].map(|k| [0, 1, 2].map(|i| of(&self.goal.axes[k][i]))),
+        };
+        Group {
+            form: self.form,
+            compiled: self.compiled,
+            geometry: self.geometry,
+            tail: self.tail,
+            position_limit2: self.position_limit2,
+            chord_limit2: self.chord_limit2,
+            limits: self.limits,
+            joints: self.joints,
+            centre,
+            preferred,
+            goal,
+            angle: turn(&self.angle),
+            candidates: [Candidate::none(); BRANCHES],
+            reached: [0; BRANCHES],
+            inside: [0; BRANCHES],
+            position2: [0.0; BRANCHES],
+            chord2: [0.0; BRANCHES],
+            workspace: Workspace::new(self.compiled),
+            ordered: [0.0; JOINTS],
+        }
     }
 
     /// Which entry of `q` each joint along the chain is.
@@ -191,6 +257,13 @@ impl<'a, R: Real> Group<'a, R> {
         let mut workspace = Workspace::new(self.compiled);
         forward(self.compiled, q, &mut workspace);
         (workspace.joint_axes(), workspace.tool_point(self.tail.translation))
+    }
+
+    /// A branch of a single target is within the tolerances, whether or not it is another
+    /// branch over again.
+    pub fn reaches(&self, b: usize) -> bool {
+        self.position2[b].lane(0) <= self.position_limit2
+            && self.chord2[b].lane(0) <= self.chord_limit2
     }
 
     /// Lanes in which a branch is reached and inside the limits.

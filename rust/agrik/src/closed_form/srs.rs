@@ -98,7 +98,7 @@ impl Srs {
         let base = [splat3::<R>(g.axes[0]), splat3(g.axes[1]), splat3(g.axes[2])];
         let center = sub(wrist_center(g, goal, tool), splat3(g.origin));
         let mut p = components(base, center);
-        p[2] = p[2] - R::splat(g.links[0].d);
+        p[2] -= R::splat(g.links[0].d);
         let (to_wrist, length) = direction(p);
         // Above the shoulder any direction will do: the robot's x.
         let z = [R::zero(), R::zero(), R::splat(1.0)];
@@ -251,12 +251,27 @@ impl Srs {
     /// Joint values of three turns, the first of joint `first`.
     #[inline(always)]
     fn triple<R: Real>(&self, turns: &Triple<R>, first: usize) -> [R; 3] {
-        let offset = |j: usize| self.geometry.links.get(j).map_or(self.geometry.last_theta, |l| l.theta);
         [
-            value(turns[0], offset(first)),
-            value(turns[1], offset(first + 1)),
-            value(turns[2], offset(first + 2)),
+            value(turns[0], self.offset(first)),
+            value(turns[1], self.offset(first + 1)),
+            value(turns[2], self.offset(first + 2)),
         ]
+    }
+
+    /// The fourth joint's value where the elbow bends so.
+    pub(super) fn fourth(&self, elbow: &Elbow<f64>) -> f64 {
+        value(elbow.turn, self.geometry.links[3].theta)
+    }
+
+    /// Shoulder and wrist.
+    pub(super) fn meetings(&self) -> (&Meeting, &Meeting) {
+        (&self.shoulder, &self.wrist)
+    }
+
+    /// What a joint's turn is counted from, rad.
+    #[inline(always)]
+    pub(super) fn offset(&self, joint: usize) -> f64 {
+        self.geometry.links.get(joint).map_or(self.geometry.last_theta, |link| link.theta)
     }
 
     /// The arm angle of a configuration, rad in [-pi, pi]; 0 where the elbow is stretched
