@@ -260,7 +260,10 @@ impl Kernel for One<'_, '_> {
                 settled = arm_angle::search(arm, &mut group, query.choice, used & !bad);
             }
             group.solve();
-            let valid = std::array::from_fn(|b| group.valid(b));
+            let mut valid = [0; BRANCHES];
+            for (b, lanes) in valid.iter_mut().enumerate() {
+                *lanes = group.valid(b);
+            }
             let best = query.choice.pick(&group, &valid);
             for lane in 0..R::WIDTH {
                 if used >> lane & 1 == 0 {

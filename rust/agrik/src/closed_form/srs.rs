@@ -103,10 +103,9 @@ impl Srs {
         // Above the shoulder any direction will do: the robot's x.
         let z = [R::zero(), R::zero(), R::splat(1.0)];
         let x = [R::splat(1.0), R::zero(), R::zero()];
-        let lean = |v: V3<R>| axpy(to_wrist, -dot(to_wrist, v), v);
-        let (up, upright) = direction(lean(z));
+        let (up, upright) = direction(less(z, to_wrist));
         let upside = upright.lt(R::splat(1e-9));
-        let lean_x = if R::bits(upside) == 0 { up } else { direction(lean(x)).0 };
+        let lean_x = if R::bits(upside) == 0 { up } else { direction(less(x, to_wrist)).0 };
         let zero = crate::lanes::select3::<R>(upside, lean_x, up);
 
         let three = g.links[2];
@@ -165,7 +164,7 @@ impl Srs {
         let three = self.geometry.links[2];
         let length = three.a.hypot(three.d);
         let elbow = splat3::<R>([three.a / length, 0.0, three.d / length]);
-        axpy(along, -dot(along, elbow), elbow)
+        less(elbow, along)
     }
 
     /// The orientation of the third link at an arm angle (sine and cosine).
@@ -179,11 +178,8 @@ impl Srs {
         let (s, c) = angle;
         let side = blend(at.line[1], c, at.line[2], s);
         let third = cross(at.line[0], side);
-        let column = |k: usize| {
-            let v = scale(at.line[0], elbow.frame[0][k]);
-            axpy(side, elbow.frame[1][k], axpy(third, elbow.frame[2][k], v))
-        };
-        [column(0), column(1), column(2)]
+        let frame = [at.line[0], side, third];
+        [outer(frame, elbow.frame, 0), outer(frame, elbow.frame, 1), outer(frame, elbow.frame, 2)]
     }
 
     /// What is left to the wrist, as columns x and z, where the third link stands so.
@@ -303,4 +299,17 @@ impl Srs {
         }
         dot(cross(along, zero), side).atan2(dot(zero, side))
     }
+}
+
+/// `v` less its part along a unit vector.
+#[inline(always)]
+fn less<R: Real>(v: V3<R>, along: V3<R>) -> V3<R> {
+    axpy(along, -dot(along, v), v)
+}
+
+/// Column `k` of the rotation that takes the frame `from` (columns) to the frame `to`.
+#[inline(always)]
+fn outer<R: Real>(to: [V3<R>; 3], from: [V3<R>; 3], k: usize) -> V3<R> {
+    let v = scale(to[0], from[0][k]);
+    axpy(to[1], from[1][k], axpy(to[2], from[2][k], v))
 }

@@ -53,16 +53,20 @@ pub fn linear<R: Real>(a: R, b: R, c: R, least: f64, fallback: Turn<R>) -> Pair<
     let c = c.min(one).max(-one);
     // (1 - c)(1 + c) keeps the digits that 1 - c^2 loses.
     let h = ((one - c) * (one + c)).max(R::zero()).sqrt();
-    let turn = |h: R| {
-        let s = b.mul_add(c, a * h);
-        let k = a.mul_add(c, -(b * h));
-        (R::select(lost, fallback.0, s), R::select(lost, fallback.1, k))
-    };
     Pair {
-        turns: [turn(h), turn(-h)],
+        turns: [
+            unless(lost, fallback, (b.mul_add(c, a * h), a.mul_add(c, -(b * h)))),
+            unless(lost, fallback, (b.mul_add(c, -(a * h)), a.mul_add(c, b * h))),
+        ],
         merged: R::bits(R::or(lost, h.lt(R::splat(MERGED)))),
         singular: R::bits(R::or(lost, h.lt(R::splat(SINGULAR)))),
     }
+}
+
+/// `turn`, but `fallback` where `lost`.
+#[inline(always)]
+fn unless<R: Real>(lost: R::Mask, fallback: Turn<R>, turn: Turn<R>) -> Turn<R> {
+    (R::select(lost, fallback.0, turn.0), R::select(lost, fallback.1, turn.1))
 }
 
 /// A frame (columns) turned about its z axis, then about its new x axis onto the next
@@ -126,30 +130,45 @@ impl Meeting {
         let second = unit_turn(sine, cosine, 1e-300, (R::zero(), R::splat(1.0)));
         let merged = R::bits(second.0.lt(R::splat(MERGED)));
         let singular = R::bits(second.0.lt(R::splat(SINGULAR)));
-        let triple = |sign: f64| {
-            let sign = R::splat(sign);
-            let (sine, cosine) = (second.0 * sign, second.1);
-            let ux = ux * sign;
-            let first = unit_turn(
-                mz[1].mul_add(ux, -(mz[0] * uy)),
-                mz[0].mul_add(ux, mz[1] * uy),
-                1e-12,
-                preferred,
-            );
-            // The third from the first two, so that their errors cancel near the
-            // singularity: x and y columns of Rz(t1) Rx(alpha1) Rz(t2) Rx(alpha2).
-            let (s, c) = first;
-            let toward = mx[1].mul_add(s, mx[0] * c);
-            let aside = mx[1].mul_add(c, -(mx[0] * s));
-            let (sa, ca) = (R::splat(s1), R::splat(c1));
-            let lifted = aside.mul_add(ca, mx[2] * sa);
-            let height = mx[2].mul_add(ca, -(aside * sa));
-            let along = toward.mul_add(cosine, lifted * sine);
-            let across = lifted.mul_add(cosine, -(toward * sine));
-            let across = across.mul_add(R::splat(c2), height * R::splat(s2));
-            [first, (sine, cosine), (across, along)]
-        };
-        ([triple(1.0), triple(-1.0)], merged, singular)
+        let opposite = (-second.0, second.1);
+        let triples = [
+            self.with_second(mx, mz, second, ux, uy, preferred),
+            self.with_second(mx, mz, opposite, -ux, uy, preferred),
+        ];
+        (triples, merged, singular)
+    }
+
+    /// The first and the third turn for a second one; `ux`, `uy` as in [`Self::solve`].
+    #[inline(always)]
+    fn with_second<R: Real>(
+        &self,
+        mx: V3<R>,
+        mz: V3<R>,
+        second: Turn<R>,
+        ux: R,
+        uy: R,
+        preferred: Turn<R>,
+    ) -> Triple<R> {
+        let first = unit_turn(
+            mz[1].mul_add(ux, -(mz[0] * uy)),
+            mz[0].mul_add(ux, mz[1] * uy),
+            1e-12,
+            preferred,
+        );
+        // The third from the first two, so that their errors cancel near the singularity:
+        // x and y columns of Rz(t1) Rx(alpha1) Rz(t2) Rx(alpha2).
+        let (s, c) = first;
+        let (sine, cosine) = second;
+        let toward = mx[1].mul_add(s, mx[0] * c);
+        let aside = mx[1].mul_add(c, -(mx[0] * s));
+        let (sa, ca) = (R::splat(self.one.sine), R::splat(self.one.cosine));
+        let lifted = aside.mul_add(ca, mx[2] * sa);
+        let height = mx[2].mul_add(ca, -(aside * sa));
+        let along = toward.mul_add(cosine, lifted * sine);
+        let across = lifted.mul_add(cosine, -(toward * sine));
+        let (s2, c2) = (R::splat(self.two.sine), R::splat(self.two.cosine));
+        let across = across.mul_add(c2, height * s2);
+        [first, second, (across, along)]
     }
 }
 
