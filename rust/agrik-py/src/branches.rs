@@ -22,15 +22,21 @@ pub struct Branches {
 }
 
 impl Branches {
-    /// The record of branches for targets of a leading shape.
-    pub fn new(shape: Vec<usize>, dof: usize, all: closed_form::Branches) -> Self {
+    /// The record of branches for targets of a leading shape; `q` where the joint values
+    /// stand in an array already.
+    pub fn new(
+        shape: Vec<usize>,
+        dof: usize,
+        all: closed_form::Branches,
+        q: Option<Py<PyArrayDyn<f64>>>,
+    ) -> Self {
         let solved = all.status.iter().filter(|s| **s == Status::Converged as u8).count();
         Self {
             shape,
             dof,
             targets: all.status.len(),
             solved,
-            q: Column::new(all.q),
+            q: q.map_or_else(|| Column::new(all.q), Column::made),
             valid: Column::new(all.valid),
             reached: Column::new(all.reached),
             singular: Column::new(all.singular),

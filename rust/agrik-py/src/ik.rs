@@ -7,10 +7,10 @@
 use std::time::{Duration, Instant};
 
 use agrik::chain::{Chain, Tail};
-use agrik::closed_form::{self, ArmAngle, Choice, ClosedForm, Query};
+use agrik::closed_form::{self, ArmAngle, BRANCHES, Choice, ClosedForm, Query};
 use agrik::solve::{Plan, Settings, Starts, Tolerance};
 use agrik::{batch, task::Task};
-use numpy::PyUntypedArrayMethods;
+use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
@@ -27,6 +27,9 @@ const DETACHED_PERIOD: Duration = Duration::from_millis(50);
 /// The same for a call that holds the interpreter, which others may be waiting for: as
 /// long as Python itself lets a thread run.
 const ATTACHED_PERIOD: Duration = Duration::from_millis(5);
+
+/// Targets from which on all branches are written to an array of NumPy's.
+const MANY: usize = 1024;
 
 /// Arguments of a call as Python gave them.
 pub struct Arguments<'a, 'py> {
@@ -142,7 +145,7 @@ fn run<T: Send>(
     py: Python<'_>,
     rows: usize,
     threads: usize,
-    work: impl Fn(usize, &mut dyn FnMut() -> bool) -> agrik::Result<T> + Send + Sync,
+    work: impl FnOnce(usize, &mut dyn FnMut() -> bool) -> agrik::Result<T> + Send,
 ) -> PyResult<T> {
     let mut signals = Signals::new();
     let answers = if rows <= 1 {
@@ -195,10 +198,22 @@ pub fn solve_all(
         Some(angles) => ArmAngle::Each(angles.values()?),
     };
     let query = Query::new(&plan, angle, Choice::default()).map_err(|e| errors::from_core(py, e))?;
+    if plan.len() < MANY {
+        let all = run(py, plan.len(), options.threads, |threads, poll| {
+            closed_form::all(&query, threads, poll)
+        })?;
+        return Ok(Branches::new(leading.to_vec(), chain.dof(), all, None));
+    }
+    // NumPy asks for large pages, which makes filling fresh memory several times cheaper.
+    let shape = [leading, &[BRANCHES, chain.dof()]].concat();
+    let array = PyArrayDyn::<f64>::zeros(py, shape, false);
+    let mut open = array.try_readwrite().map_err(convert::internal)?;
+    let q = open.as_slice_mut().map_err(convert::internal)?;
     let all = run(py, plan.len(), options.threads, |threads, poll| {
-        closed_form::all(&query, threads, poll)
+        closed_form::all_into(&query, q, threads, poll)
     })?;
-    Ok(Branches::new(leading.to_vec(), chain.dof(), all))
+    drop(open);
+    Ok(Branches::new(leading.to_vec(), chain.dof(), all, Some(array.unbind())))
 }
 
 /// Solves the targets of a call.

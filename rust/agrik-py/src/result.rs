@@ -20,6 +20,14 @@ impl<T: Element + Copy> Column<T> {
         Self { values: Mutex::new(values), array: PyOnceLock::new() }
     }
 
+    /// An array that is filled already.
+    pub(crate) fn made(array: Py<PyArrayDyn<T>>) -> Self {
+        let once = PyOnceLock::new();
+        // A new cell is empty: this cannot fail.
+        let _ = Python::attach(|py| once.set(py, array));
+        Self { values: Mutex::new(Vec::new()), array: once }
+    }
+
     pub(crate) fn get<'py>(&self, py: Python<'py>, shape: &[usize]) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
         let made = self.array.get_or_try_init(py, || {
             // The lock is let go before Python runs.

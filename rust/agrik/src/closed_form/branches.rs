@@ -20,10 +20,10 @@ pub struct Branches {
 }
 
 impl Branches {
-    /// Room for `rows` targets of a chain with `dof` joint values.
-    pub fn new(rows: usize, dof: usize) -> Self {
+    /// Room for `rows` targets, but for their joint values.
+    pub(super) fn new(rows: usize) -> Self {
         Self {
-            q: vec![0.0; rows * BRANCHES * dof],
+            q: Vec::new(),
             valid: vec![false; rows * BRANCHES],
             reached: vec![false; rows * BRANCHES],
             singular: vec![0; rows * BRANCHES],
@@ -31,11 +31,11 @@ impl Branches {
         }
     }
 
-    /// All rows, writable.
-    pub fn as_mut(&mut self) -> BranchesMut<'_> {
+    /// All rows, writable, with the joint values in other memory than [`Self::q`].
+    pub(super) fn as_mut_with<'a>(&'a mut self, q: &'a mut [f64]) -> BranchesMut<'a> {
         BranchesMut {
             first: 0,
-            q: &mut self.q,
+            q,
             valid: &mut self.valid,
             reached: &mut self.reached,
             singular: &mut self.singular,

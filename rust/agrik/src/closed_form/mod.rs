@@ -23,7 +23,7 @@ pub use branches::{Branches, BranchesMut};
 pub use candidates::{BRANCHES, Candidate, ELBOW, JOINTS, SHOULDER, WRIST};
 pub use choose::Choice;
 pub use geometry::{Geometry, Link, TOLERANCE};
-pub use query::{ArmAngle, Query, all, best};
+pub use query::{ArmAngle, Query, all, all_into, best};
 pub use shoulder::Kind;
 pub use spherical_wrist::SphericalWrist;
 pub use srs::Srs;

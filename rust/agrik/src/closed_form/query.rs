@@ -129,8 +129,36 @@ pub fn all_at(
     threads: usize,
     poll: &mut dyn FnMut() -> bool,
 ) -> Result<Branches> {
-    let mut branches = Branches::new(query.plan.len(), query.chain().dof());
-    let runs = branches.as_mut().split(RUN);
+    let mut q = vec![0.0; query.plan.len() * BRANCHES * query.chain().dof()];
+    let mut branches = all_into_at(level, query, &mut q, threads, poll)?;
+    branches.q = q;
+    Ok(branches)
+}
+
+/// [`all`] with the joint values written to `q` ([`BRANCHES`] times `dof` numbers a
+/// target) and not to the record.
+pub fn all_into(
+    query: &Query<'_>,
+    q: &mut [f64],
+    threads: usize,
+    poll: &mut dyn FnMut() -> bool,
+) -> Result<Branches> {
+    all_into_at(Level::in_use(), query, q, threads, poll)
+}
+
+fn all_into_at(
+    level: Level,
+    query: &Query<'_>,
+    q: &mut [f64],
+    threads: usize,
+    poll: &mut dyn FnMut() -> bool,
+) -> Result<Branches> {
+    let wanted = query.plan.len() * BRANCHES * query.chain().dof();
+    if q.len() != wanted {
+        return Err(Error::argument("q", format!("room for {wanted} numbers"), q.len()));
+    }
+    let mut branches = Branches::new(query.plan.len());
+    let runs = branches.as_mut_with(q).split(RUN);
     let few = query.plan.len() <= FEW;
     let work = |mut rows: BranchesMut<'_>| {
         let kernel = All { query, rows: &mut rows };
