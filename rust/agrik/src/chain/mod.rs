@@ -43,6 +43,7 @@ pub struct Chain {
     variables: Vec<Variable>,
     compiled: Compiled,
     reach: Reach,
+    last_joint_reach: OnceLock<Option<Reach>>,
     postures: OnceLock<Postures>,
     closed_form: OnceLock<std::result::Result<ClosedForm, String>>,
 }
@@ -77,6 +78,7 @@ impl Chain {
             variables,
             compiled,
             reach,
+            last_joint_reach: OnceLock::new(),
             postures: OnceLock::new(),
             closed_form: OnceLock::new(),
         })
@@ -140,6 +142,12 @@ impl Chain {
     /// Proven bounds of where the tool point can be.
     pub fn reach(&self) -> &Reach {
         &self.reach
+    }
+
+    /// Proven bounds of where the last joint can be, as [`Reach::of_last_joint`].
+    pub fn last_joint_reach(&self) -> Option<Reach> {
+        let find = || Reach::of_last_joint(&self.compiled, &self.variables);
+        *self.last_joint_reach.get_or_init(find)
     }
 
     /// The table of sampled postures, made by `build` when it is first asked for.

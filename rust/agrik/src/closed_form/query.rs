@@ -69,6 +69,7 @@ impl<'a> Query<'a> {
         self.plan.chain()
     }
 
+    #[inline(always)]
     fn group<R: Real>(&self) -> Group<'a, R> {
         Group::new(self.chain(), self.form, *self.plan.tail(), self.plan.tolerance())
     }

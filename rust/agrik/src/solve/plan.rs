@@ -150,9 +150,13 @@ impl<'a> Plan<'a> {
         let tail = tail.unwrap_or(compiled.tail);
         let rotation_scale = rotation_scale(compiled, chain.reach().radius);
         let ranking = ranking(&task, &tail, rotation_scale);
-        let tool_reach = Reach::with_tail(compiled, chain.variables(), &tail);
+        let tool_reach = if tail == compiled.tail {
+            *chain.reach()
+        } else {
+            Reach::with_tail(compiled, chain.variables(), &tail)
+        };
         let wrist_reach =
-            if task.fixes_pose() { Reach::of_last_joint(compiled, chain.variables()) } else { None };
+            if task.fixes_pose() { chain.last_joint_reach() } else { None };
         Ok(Self {
             chain,
             task,
