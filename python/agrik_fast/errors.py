@@ -41,7 +41,7 @@ class ArgumentError(AgrikError, ValueError):
 
     Attributes
     ----------
-    argument, received, expected : str
+    argument, received, expected
         The parameters.
     """
 

@@ -44,4 +44,4 @@ class Status(IntEnum):
     """No solution within the iteration and restart caps; one may still exist."""
 
     BAD_INPUT = 3
-    """The target or its start value holds NaN or infinity, or is no rigid transform."""
+    """The target or its start value holds NaN or infinity."""

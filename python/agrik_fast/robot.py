@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os import PathLike
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from ._checks import FloatArray, float_array, whole_number
 from ._definition import Definition, bundled_names, from_robot_file, locate, read_urdf
 from ._dh_rows import CONVENTIONS, DhRow, read_table
+from ._stream import solve_ahead
 from .errors import UnknownNameError
 
 if TYPE_CHECKING:
@@ -280,7 +281,7 @@ class Robot:
 
     @property
     def frames(self) -> Mapping[str, FloatArray]:
-        """Named frames: transform (4, 4), m, that leads a pose of `fk` to that frame.
+        """The named frames, as the (4, 4) transforms (m) that lead a pose of `fk` to them.
 
         ``robot.frames["paper"] @ robot.fk(q)`` is the tool in the frame "paper".
         """
@@ -386,7 +387,8 @@ class Robot:
         seed : int, default 0
             Seed of the random start values, 0 to 2**64 - 1.
         tool : array_like, shape (4, 4), optional
-            Tool in the last link's frame, in place of the robot's own for this call.
+            An offset behind the robot's own tool for this call: the transform from the
+            robot's tool frame to the frame that has to reach the target, m.
         threads : int, optional
             Number of threads; default as set by `agrik_fast.set_num_threads` or the
             environment variable ``AGRIK_NUM_THREADS``, else one per core.
@@ -554,6 +556,65 @@ class Robot:
         """
         found = self._chain.arm_angle_intervals(target, tool)
         return tuple(np.array(one, dtype=np.float64).reshape(-1, 2) for one in found)
+
+    def ik_stream(
+        self,
+        chunks: Iterable[ArrayLike],
+        task: Task | str | None = None,
+        solver: Solver | str = "lm",
+        q0: ArrayLike | None = None,
+        seed: int = 0,
+        tool: ArrayLike | None = None,
+        threads: int | None = None,
+        *,
+        position_tolerance: float = 1e-6,
+        orientation_tolerance: float = 1e-6,
+        first_index: int = 0,
+    ) -> Iterator[IkResult]:
+        """Inverse kinematics of a stream of chunks, for more targets than memory holds.
+
+        One chunk is solved ahead: while the caller uses a result, the next chunk is being
+        solved in another thread. The answers are those of one call of `ik` with all
+        targets. Chunks are taken from the iterator in the caller's thread.
+
+        Parameters
+        ----------
+        chunks : iterable of array_like, each of shape (..., 4, 4) or (..., 3)
+            Targets as for `ik`; some tens of thousands in a chunk keep all cores busy.
+        task, solver, seed, tool, threads, position_tolerance, orientation_tolerance
+            As for `ik`, the same for all chunks.
+        q0 : array_like, shape (n,), rad or m, optional
+            Start values of every target's first attempt.
+        first_index : int, default 0
+            Index of the first target of the first chunk; those that follow are counted on.
+
+        Returns
+        -------
+        iterator of IkResult
+            One result a chunk, in order.
+
+        Raises
+        ------
+        ArgumentError, UnknownNameError
+            As `ik`, when the chunk's result is asked for; `first_index` at once.
+        """
+        first_index = whole_number("first_index", first_index, 0, 2**64 - 1)
+
+        def solve(targets: ArrayLike, index: int) -> IkResult:
+            return self.ik(
+                targets,
+                task,
+                solver,
+                q0,
+                seed,
+                tool,
+                threads,
+                position_tolerance=position_tolerance,
+                orientation_tolerance=orientation_tolerance,
+                first_index=index,
+            )
+
+        return solve_ahead(chunks, solve, first_index)
 
     def with_tool(self, tool: ArrayLike) -> Robot:
         """Return the same robot with another tool.

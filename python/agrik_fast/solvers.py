@@ -50,7 +50,8 @@ class LevenbergMarquardt:
     damping : float, default 0.1
         Share of half the squared error that is added to the diagonal; no unit, > 0.
     max_iterations : int, default 10
-        Steps of one attempt before it is given up; 1 to 2**32 - 1.
+        Steps of one attempt before it is given up; 1 to 2**32 - 1. An attempt that
+        is closing in on a solution, slowly where that is singular, gets eight times as many.
     max_restarts : int, default 100
         Attempts after the first before the target is given up; 0 to 2**32 - 1.
     max_step : float, default 1.0
@@ -91,7 +92,8 @@ class DampedLeastSquares:
     damping : float, default 0.01
         Damping, m; > 0.
     max_iterations : int, default 60
-        Steps of one attempt before it is given up; 1 to 2**32 - 1.
+        Steps of one attempt before it is given up; 1 to 2**32 - 1. An attempt that
+        is closing in on a solution, slowly where that is singular, gets eight times as many.
     max_restarts : int, default 100
         Attempts after the first before the target is given up; 0 to 2**32 - 1.
     max_step : float, default 1.0
@@ -133,7 +135,8 @@ class PseudoInverse:
     cutoff : float, default 0.001
         Relative cutoff of singular values; no unit, > 0 and < 1.
     max_iterations : int, default 60
-        Steps of one attempt before it is given up; 1 to 2**32 - 1.
+        Steps of one attempt before it is given up; 1 to 2**32 - 1. An attempt that
+        is closing in on a solution, slowly where that is singular, gets eight times as many.
     max_restarts : int, default 100
         Attempts after the first before the target is given up; 0 to 2**32 - 1.
     max_step : float, default 1.0
@@ -169,7 +172,8 @@ class Transpose:
     Parameters
     ----------
     max_iterations : int, default 2000
-        Steps of one attempt before it is given up; 1 to 2**32 - 1.
+        Steps of one attempt before it is given up; 1 to 2**32 - 1. An attempt that
+        is closing in on a solution, slowly where that is singular, gets eight times as many.
     max_restarts : int, default 20
         Attempts after the first before the target is given up; 0 to 2**32 - 1.
     max_step : float, default 1.0

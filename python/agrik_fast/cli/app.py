@@ -7,7 +7,9 @@ load inside the command that needs them.
 from __future__ import annotations
 
 import contextlib
+import signal
 import sys
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
@@ -17,6 +19,7 @@ import typer
 EXIT_BAD_ARGUMENTS = 2
 EXIT_NOT_ALL_SOLVED = 3
 EXIT_INTERRUPTED = 130  # the shell's 128 + SIGINT
+EXIT_TERMINATED = 143  # 128 + SIGTERM
 
 app = typer.Typer(
     name="agrik-fast",
@@ -33,11 +36,38 @@ def main() -> None:
     app(prog_name="agrik-fast")
 
 
+class _Terminated(BaseException):
+    """The process was asked to end (SIGTERM)."""
+
+
 @contextlib.contextmanager
-def _exit_codes() -> Iterator[None]:
-    """Turn expected errors into one line on stderr and an exit code."""
+def _termination_as_exception() -> Iterator[None]:
+    """Let SIGTERM unwind the program as Ctrl-C does, so that half a result is removed."""
+
+    def end(number: int, frame: object) -> None:
+        # A second signal must not interrupt the cleaning up.
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        raise _Terminated
+
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread may set handlers, and only it is interrupted
+        return
+    before = signal.signal(signal.SIGTERM, end)
     try:
         yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL if before is None else before)
+
+
+@contextlib.contextmanager
+def _exit_codes() -> Iterator[None]:
+    """Turn expected errors and signals into one line on stderr and an exit code."""
+    try:
+        with _termination_as_exception():
+            yield
+    except _Terminated:
+        typer.echo("agrik-fast: terminated, nothing was written", err=True)
+        raise typer.Exit(EXIT_TERMINATED) from None
     except KeyboardInterrupt:
         typer.echo("agrik-fast: interrupted, nothing was written", err=True)
         raise typer.Exit(EXIT_INTERRUPTED) from None
@@ -106,7 +136,8 @@ def solve(
 
     Lengths are metres and angles radians unless a column says otherwise (x_mm, roll_deg).
     Exit status: 0 every row was processed, 2 bad arguments or files, 3 some rows are not
-    solved (with --strict), 130 interrupted; the result appears only when it is complete.
+    solved (with --strict), 130 interrupted, 143 terminated. The result appears only when it
+    is complete.
     """
     with _exit_codes():
         from .progress import for_stream

@@ -35,6 +35,7 @@ mod _native {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-        errors::warn_of_debug_build(module.py())
+        errors::warn_of_debug_build(module.py())?;
+        threads::warn_of_unmet_wish(module.py())
     }
 }

@@ -1,7 +1,8 @@
 //! Batches: the rows of a call spread over threads, with a way to stop early.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use crate::error::{Error, Result};
 use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
@@ -14,6 +15,8 @@ pub use pool::{num_threads, set_num_threads};
 /// Rows handed out at a time: few enough to balance the threads, many enough that taking
 /// the next run costs nothing.
 const RUN: usize = 256;
+/// Time between two questions whether to go on, once the caller only waits for others.
+const BETWEEN_POLLS: Duration = Duration::from_millis(10);
 /// Up to this many targets are solved one after the other.
 const FEW: usize = 2;
 
@@ -99,21 +102,61 @@ fn in_parallel<'a>(
     poll: &mut dyn FnMut() -> bool,
 ) -> bool {
     let stop = AtomicBool::new(false);
-    // A thread that panicked with the lock held leaves the queue as it was: still sound.
-    let next = || queue.lock().unwrap_or_else(std::sync::PoisonError::into_inner).pop();
+    let working = Working::new(threads - 1);
+    let next = || lock(&queue).pop();
     pool::scope(threads, |scope| {
-        // The calling thread works too, and is the one that asks whether to go on.
+        // The calling thread works too, and is the one that asks whether to go on: while it
+        // has rows of its own, and after that until the others are done.
         for _ in 1..threads {
             scope.spawn(|_| {
+                let _done = Done(&working);
                 run_at(level, plan, &mut || next(), &mut || !stop.load(Ordering::Relaxed));
             });
         }
-        let finished = run_at(level, plan, &mut || next(), &mut || poll());
-        if !finished {
-            stop.store(true, Ordering::Relaxed);
+        let mut go_on = run_at(level, plan, &mut || next(), &mut || poll());
+        while go_on && working.wait() {
+            go_on = poll();
         }
+        stop.store(!go_on, Ordering::Relaxed);
     });
     !stop.into_inner()
+}
+
+/// A lock whose holder panicked guards data that is still whole: counts and whole runs.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// How many helpers have not finished yet.
+struct Working {
+    count: Mutex<usize>,
+    changed: Condvar,
+}
+
+impl Working {
+    fn new(count: usize) -> Self {
+        Self { count: Mutex::new(count), changed: Condvar::new() }
+    }
+
+    /// Waits until none is working, but not long; true while some are.
+    fn wait(&self) -> bool {
+        let count = lock(&self.count);
+        let (count, _) = self
+            .changed
+            .wait_timeout_while(count, BETWEEN_POLLS, |count| *count > 0)
+            .unwrap_or_else(PoisonError::into_inner);
+        *count > 0
+    }
+}
+
+/// Counts a helper out, whichever way it ends.
+struct Done<'w>(&'w Working);
+
+impl Drop for Done<'_> {
+    fn drop(&mut self) {
+        *lock(&self.0.count) -= 1;
+        self.0.changed.notify_all();
+    }
 }
 
 fn run_at<'a>(

@@ -4,7 +4,7 @@
 //! half a turn; they are scaled by a length per radian so that they can stand beside
 //! metres in one sum of squares. Tolerances apply to the unscaled errors.
 
-use crate::chain::{Compiled, Tail};
+use crate::chain::Tail;
 use crate::error::{Error, Result};
 use crate::kinematics::Workspace;
 use crate::lanes::{Real, V3, angle_over_sine, axpy, cross, dot, scale, select3, sub};
@@ -360,7 +360,6 @@ pub fn axis_goal(position: [f64; 3], direction: [f64; 3]) -> Goal<f64> {
 }
 
 /// A length per radian that puts rotation rows beside metres: a share of the robot's size.
-pub fn rotation_scale(chain: &Compiled, reach: f64) -> f64 {
-    debug_assert!(!chain.links.is_empty());
+pub fn rotation_scale(reach: f64) -> f64 {
     0.3 * reach
 }

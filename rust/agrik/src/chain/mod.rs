@@ -43,7 +43,7 @@ pub struct Chain {
     variables: Vec<Variable>,
     compiled: Compiled,
     reach: Reach,
-    last_joint_reach: OnceLock<Option<Reach>>,
+    last_joint_reach: Option<Reach>,
     postures: OnceLock<Postures>,
     closed_form: OnceLock<std::result::Result<ClosedForm, String>>,
 }
@@ -70,6 +70,7 @@ impl Chain {
         }
         let compiled = Compiled::new(&base, &joints, &tool, &variables)?;
         let reach = Reach::new(&compiled, &variables);
+        let last_joint_reach = Reach::of_last_joint(&compiled, &variables);
         Ok(Self {
             name: name.into(),
             base,
@@ -78,7 +79,7 @@ impl Chain {
             variables,
             compiled,
             reach,
-            last_joint_reach: OnceLock::new(),
+            last_joint_reach,
             postures: OnceLock::new(),
             closed_form: OnceLock::new(),
         })
@@ -144,10 +145,9 @@ impl Chain {
         &self.reach
     }
 
-    /// Proven bounds of where the last joint can be, as [`Reach::of_last_joint`].
-    pub fn last_joint_reach(&self) -> Option<Reach> {
-        let find = || Reach::of_last_joint(&self.compiled, &self.variables);
-        *self.last_joint_reach.get_or_init(find)
+    /// Proven bounds of where the last joint can be; `None` for a chain that ends in a slide.
+    pub fn last_joint_reach(&self) -> Option<&Reach> {
+        self.last_joint_reach.as_ref()
     }
 
     /// The table of sampled postures, made by `build` when it is first asked for.
@@ -177,9 +177,7 @@ impl Chain {
         for joint in &self.joints {
             let value = match (&joint.mimic, joint.kind) {
                 (_, JointKind::Fixed) => 0.0,
-                (Some(m), _) => {
-                    index_of(&m.source).map_or(0.0, |i| m.multiplier * q[i] + m.offset)
-                }
+                (Some(m), _) => index_of(&m.source).map_or(0.0, |i| m.multiplier * q[i] + m.offset),
                 (None, _) => index_of(&joint.name).map_or(0.0, |i| q[i]),
             };
             pose = pose * joint.origin * compiled::motion(joint, value) * joint.after;

@@ -1,8 +1,10 @@
 //! Forward kinematics and the geometric Jacobian over any number type.
 
+mod batch;
 mod fk;
 mod jacobian;
 
+pub use batch::{tool_jacobians, tool_poses};
 pub use fk::{Workspace, forward};
 pub use jacobian::columns;
 

@@ -13,8 +13,9 @@ mod trig;
 mod x86;
 
 pub use array::Pack;
-pub use dispatch::{Kernel, Level, dispatch, dispatch_single};
+pub use dispatch::{Kernel, Level, VARIABLE, dispatch, dispatch_single};
 pub(crate) use trig::{angle_over_sine, atan2};
+pub use trig::sin_cos_by_quadrant;
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -132,11 +133,7 @@ pub fn negate<R: Real>(a: V3<R>) -> V3<R> {
 /// `a` where the mask holds, else `b`.
 #[inline(always)]
 pub fn select3<R: Real>(mask: R::Mask, a: V3<R>, b: V3<R>) -> V3<R> {
-    [
-        R::select(mask, a[0], b[0]),
-        R::select(mask, a[1], b[1]),
-        R::select(mask, a[2], b[2]),
-    ]
+    [R::select(mask, a[0], b[0]), R::select(mask, a[1], b[1]), R::select(mask, a[2], b[2])]
 }
 
 /// `a - b`

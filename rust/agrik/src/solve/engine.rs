@@ -179,10 +179,9 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
                 }
             }
             let error = self.evaluate();
-            let reached = R::bits(R::and(
-                error.position2.le(position2),
-                error.orientation2.le(orientation2),
-            )) & busy;
+            let reached =
+                R::bits(R::and(error.position2.le(position2), error.orientation2.le(orientation2)))
+                    & busy;
             let near = R::bits(squared_norm(&error.rows).lt(R::splat(self.near2)));
             let mut ended = (reached | stalled) & busy;
             for (lane, job) in self.jobs.iter().enumerate() {
@@ -256,12 +255,13 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             }
         }
         self.plan.settings.step.compute(&self.columns, &error.rows, &mut self.change);
-        self.apply(moving)
+        let squared = squared_norm(&error.rows);
+        self.apply(moving, squared)
     }
 
     /// Adds the change, no longer than the longest step, projected on the limits.
     #[inline(always)]
-    fn apply(&mut self, moving: u32) -> u32 {
+    fn apply(&mut self, moving: u32, squared: R) -> u32 {
         let mut longest = R::splat(1e-300);
         for dq in &self.change {
             longest = longest.max(dq.abs());
@@ -289,7 +289,9 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             job.steps += moving >> lane & 1;
         }
         // Written so that a step that is not a number counts as none.
-        moving & !R::bits(R::splat(1e-14).lt(moved))
+        let way = moved * R::splat(self.plan.rotation_scale);
+        moving
+            & !R::bits((squared * R::splat(self.plan.settings.step.stall().powi(2))).lt(way * way))
     }
 
     /// Takes whole turns off continuous joints, to within half a turn of their reference.

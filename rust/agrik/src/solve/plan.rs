@@ -1,6 +1,9 @@
 //! What goes into a call (goals, starts, settings) and what comes out of it (answers).
 
-use super::{Settings, start::{Ranking, Sampler}};
+use super::{
+    Settings,
+    start::{Ranking, Sampler},
+};
 use crate::chain::{Chain, Reach, Tail};
 use crate::error::{Error, Result};
 use crate::task::{Goal, Task, axis_goal, pose_goal, rotation_scale, unit};
@@ -97,7 +100,7 @@ pub struct Plan<'a> {
     pub(super) tail: Tail,
     pub(super) rotation_scale: f64,
     tool_reach: Reach,
-    wrist_reach: Option<Reach>,
+    wrist_reach: Option<&'a Reach>,
 }
 
 impl<'a> Plan<'a> {
@@ -147,16 +150,14 @@ impl<'a> Plan<'a> {
             _ => return Err(Error::argument("targets", "poses (4x4 matrices)", "points")),
         }
         let compiled = chain.compiled();
-        let tail = tail.unwrap_or(compiled.tail);
-        let rotation_scale = rotation_scale(compiled, chain.reach().radius);
-        let ranking = ranking(&task, &tail, rotation_scale);
-        let tool_reach = if tail == compiled.tail {
-            *chain.reach()
-        } else {
-            Reach::with_tail(compiled, chain.variables(), &tail)
+        let tool_reach = match &tail {
+            Some(tail) => Reach::with_tail(compiled, chain.variables(), tail),
+            None => *chain.reach(),
         };
-        let wrist_reach =
-            if task.fixes_pose() { chain.last_joint_reach() } else { None };
+        let tail = tail.unwrap_or(compiled.tail);
+        let rotation_scale = rotation_scale(chain.reach().radius);
+        let ranking = ranking(&task, &tail, rotation_scale);
+        let wrist_reach = if task.fixes_pose() { chain.last_joint_reach() } else { None };
         Ok(Self {
             chain,
             task,
@@ -247,7 +248,7 @@ impl<'a> Plan<'a> {
         if self.tool_reach.excess(goal.position) > self.tolerance.position {
             return true;
         }
-        let Some(wrist) = &self.wrist_reach else { return false };
+        let Some(wrist) = self.wrist_reach else { return false };
         // The tool's place and axes give the last joint's origin; an orientation error
         // within tolerance moves it by that angle times the tool's length.
         let t = self.tail.translation;
@@ -376,17 +377,22 @@ impl<'a> AnswersMut<'a> {
             .zip(self.iterations.chunks_mut(size))
             .zip(self.restarts.chunks_mut(size))
             .enumerate()
-            .map(|(i, (((((q, status), position_error), orientation_error), iterations), restarts))| {
-                AnswersMut {
-                    first: self.first + i * size,
-                    q,
-                    status,
-                    position_error,
-                    orientation_error,
-                    iterations,
-                    restarts,
-                }
-            })
+            .map(
+                |(
+                    i,
+                    (((((q, status), position_error), orientation_error), iterations), restarts),
+                )| {
+                    AnswersMut {
+                        first: self.first + i * size,
+                        q,
+                        status,
+                        position_error,
+                        orientation_error,
+                        iterations,
+                        restarts,
+                    }
+                },
+            )
             .collect()
     }
 

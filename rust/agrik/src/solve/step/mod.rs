@@ -66,12 +66,8 @@ impl Settings {
         max_step: 1.0,
     };
     /// Jacobian transpose.
-    pub const TRANSPOSE: Self = Self {
-        step: Step::Transpose,
-        max_iterations: 2000,
-        max_restarts: 20,
-        max_step: 1.0,
-    };
+    pub const TRANSPOSE: Self =
+        Self { step: Step::Transpose, max_iterations: 2000, max_restarts: 20, max_step: 1.0 };
 
     /// Refuses numbers outside their ranges.
     pub fn check(&self) -> Result<()> {
@@ -102,10 +98,21 @@ impl Default for Settings {
 }
 
 impl Step {
-    /// The change of the joint values. Columns of joints that are held are zero; so is
-    /// their change.
+    /// A step that moves the tool by less than this share of the error leads nowhere: what
+    /// would help is held at its limits. Steps down the gradient are short by nature.
     #[inline(always)]
-    pub(super) fn compute<R: Real, const M: usize>(
+    pub(super) fn stall(&self) -> f64 {
+        match self {
+            Self::Transpose => 1e-9,
+            Self::PseudoInverse { .. } | Self::Damped { .. } => 3e-3,
+            Self::LevenbergMarquardt { .. } => 0.1,
+        }
+    }
+
+    /// The change of the joint values. Columns of joints that are held are zero; so is
+    /// their change. `columns` are those of the Jacobian, in the task's rows.
+    #[inline(always)]
+    pub fn compute<R: Real, const M: usize>(
         &self,
         columns: &[[R; M]],
         error: &[R; M],

@@ -5,11 +5,7 @@ use crate::lanes::Real;
 
 /// `alpha J^T e`, `alpha = |J^T e|^2 / |J J^T e|^2`; no step where the gradient vanishes.
 #[inline(always)]
-pub(super) fn step<R: Real, const M: usize>(
-    columns: &[[R; M]],
-    error: &[R; M],
-    change: &mut [R],
-) {
+pub(super) fn step<R: Real, const M: usize>(columns: &[[R; M]], error: &[R; M], change: &mut [R]) {
     let mut through = [R::zero(); M];
     let mut gradient2 = R::zero();
     for (dq, column) in change.iter_mut().zip(columns) {
