@@ -32,7 +32,9 @@ html_theme_options = {
     "show_prev_next": True,
     "secondary_sidebar_items": ["page-toc"],
 }
-html_sidebars = {"index": [], "getting-started": [], "conventions": [], "robots": [], "solvers": []}
+# Short pages that are found from the top need no side bar.
+PLAIN_PAGES = ("index", "getting-started", "conventions", "robots", "solvers", "closed-forms")
+html_sidebars = {page: [] for page in PLAIN_PAGES}
 
 # The API pages are read from the sources and, for the compiled module, from its stub,
 # which is where its documentation lives; nothing has to be imported for them.

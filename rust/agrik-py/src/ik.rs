@@ -14,8 +14,8 @@ use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-use crate::convert::{self, Floats, numbers, shape_text, transform};
 use crate::branches::Branches;
+use crate::convert::{self, Floats, numbers, shape_text, transform};
 use crate::result::IkResult;
 use crate::solver::Solver;
 use crate::targets::{Targets, first_not_rigid, goals, not_rigid_error};
@@ -129,11 +129,8 @@ impl<'py> Given<'py> {
 /// Refuses poses that are no rigid transforms.
 fn check_rigid(py: Python<'_>, leading: &[usize], poses: &[[f64; 16]]) -> PyResult<()> {
     // Reading a long batch takes a while, during which others may run.
-    let found = if poses.len() > 1 {
-        py.detach(|| first_not_rigid(poses))
-    } else {
-        first_not_rigid(poses)
-    };
+    let found =
+        if poses.len() > 1 { py.detach(|| first_not_rigid(poses)) } else { first_not_rigid(poses) };
     match found {
         Some(row) => Err(not_rigid_error(py, leading, row, &poses[row])),
         None => Ok(()),
@@ -197,7 +194,8 @@ pub fn solve_all(
         None => ArmAngle::Free,
         Some(angles) => ArmAngle::Each(angles.values()?),
     };
-    let query = Query::new(&plan, angle, Choice::default()).map_err(|e| errors::from_core(py, e))?;
+    let query =
+        Query::new(&plan, angle, Choice::default()).map_err(|e| errors::from_core(py, e))?;
     if plan.len() < MANY {
         let all = run(py, plan.len(), options.threads, |threads, poll| {
             closed_form::all(&query, threads, poll)

@@ -116,13 +116,11 @@ pub fn arm_angle<'py>(
 ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let refuse = |why: &str| errors::argument(q.py(), "robot", why, "an S-R-S arm");
     match ClosedForm::of(chain) {
-        Ok(ClosedForm::Srs(arm)) => {
-            for_each_row(q, chain, &[], |q, out| {
-                for (q, out) in q.chunks_exact(chain.dof()).zip(out) {
-                    *out = arm.arm_angle(q);
-                }
-            })
-        }
+        Ok(ClosedForm::Srs(arm)) => for_each_row(q, chain, &[], |q, out| {
+            for (q, out) in q.chunks_exact(chain.dof()).zip(out) {
+                *out = arm.arm_angle(q);
+            }
+        }),
         Ok(_) => Err(refuse("an arm that is not redundant")),
         Err(why) => Err(refuse(why)),
     }

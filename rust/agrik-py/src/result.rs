@@ -28,7 +28,11 @@ impl<T: Element + Copy> Column<T> {
         Self { values: Mutex::new(Vec::new()), array: once }
     }
 
-    pub(crate) fn get<'py>(&self, py: Python<'py>, shape: &[usize]) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+    pub(crate) fn get<'py>(
+        &self,
+        py: Python<'py>,
+        shape: &[usize],
+    ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
         let made = self.array.get_or_try_init(py, || {
             // The lock is let go before Python runs.
             let mut locked = self.values.lock().unwrap_or_else(PoisonError::into_inner);

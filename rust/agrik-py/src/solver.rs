@@ -55,7 +55,8 @@ pub fn solver(solver: Option<&Bound<'_, PyAny>>) -> PyResult<Solver> {
         };
     }
     let name = solver.getattr("name").and_then(|name| name.extract::<String>()).map_err(|_| {
-        let expected = "a solver of agrik_fast.solvers or one of lm, dls, pinv, transpose, closed_form, auto";
+        let expected =
+            "a solver of agrik_fast.solvers or one of lm, dls, pinv, transpose, closed_form, auto";
         errors::value("solver", solver, expected)
     })?;
     let field = |name: &str| solver.getattr(name);

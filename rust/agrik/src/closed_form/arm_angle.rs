@@ -22,7 +22,7 @@ use crate::solve::Tolerance;
 use crate::task::pose_goal;
 
 /// Arm angles of the first look at each target.
-const SAMPLES: usize = 12;
+const SAMPLES: usize = 8;
 /// Closer looks, each of which narrows the place of the best.
 const LOOKS: usize = 3;
 /// Roots that neighbour one another by less are one, rad.
@@ -166,7 +166,12 @@ fn third_link_parts(at: &Reached<f64>, elbow: &Elbow<f64>) -> Parts {
 }
 
 /// What is left to the wrist where the third link stands as `third`, as columns.
-fn left_parts(arm: &Srs, at: &Reached<f64>, elbow: &Elbow<f64>, third: [V3<f64>; 3]) -> [V3<f64>; 3] {
+fn left_parts(
+    arm: &Srs,
+    at: &Reached<f64>,
+    elbow: &Elbow<f64>,
+    third: [V3<f64>; 3],
+) -> [V3<f64>; 3] {
     let links = &arm.geometry().links;
     let fourth = advance(third, (0.0, 1.0), &links[2]);
     let fifth = advance(fourth, elbow.turn, &links[3]);
@@ -218,9 +223,8 @@ fn pieces(
     cuts.dedup_by(|a, b| (*a - *b).abs() < SAME);
     let inside = |psi: f64| {
         let (s, c) = psi.sin_cos();
-        let column = |k: usize| {
-            [0, 1, 2].map(|i| parts[0][k][i] + c * parts[1][k][i] + s * parts[2][k][i])
-        };
+        let column =
+            |k: usize| [0, 1, 2].map(|i| parts[0][k][i] + c * parts[1][k][i] + s * parts[2][k][i]);
         let (triples, ..) = meeting.solve(column(0), column(2), (0.0, 1.0));
         triples[branch]
             .iter()
@@ -303,7 +307,11 @@ fn common(a: &[Interval], b: &[Interval]) -> Vec<Interval> {
 
 /// The arm angles that the limits allow for a pose (4x4, row by row) of an S-R-S chain
 /// with its own tool, one list a branch in the order of [`super::all`].
-pub fn intervals(chain: &Chain, pose: &[f64; 16], tail: Option<Tail>) -> Result<Vec<Vec<Interval>>> {
+pub fn intervals(
+    chain: &Chain,
+    pose: &[f64; 16],
+    tail: Option<Tail>,
+) -> Result<Vec<Vec<Interval>>> {
     let refuse = |why: &str| Error::argument("robot", "an S-R-S arm", why);
     let form = ClosedForm::of(chain).map_err(refuse)?;
     let ClosedForm::Srs(arm) = form else {

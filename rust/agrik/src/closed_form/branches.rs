@@ -68,10 +68,7 @@ impl<'a> BranchesMut<'a> {
 
     /// The targets in runs of at most `size`.
     pub fn split(self, size: usize) -> Vec<Self> {
-        if self.status.is_empty() {
-            return Vec::new();
-        }
-        let wide = self.q.len() / self.status.len() * size;
+        let wide = (self.q.len() / self.status.len().max(1) * size).max(1);
         self.q
             .chunks_mut(wide)
             .zip(self.valid.chunks_mut(BRANCHES * size))

@@ -44,7 +44,8 @@ impl Choice {
                 }
                 _ if limit.half == f64::INFINITY => {}
                 Self::Middle => {
-                    let off = (q[j] - R::splat(limit.middle)) * R::splat(1.0 / limit.half.max(1e-9));
+                    let off =
+                        (q[j] - R::splat(limit.middle)) * R::splat(1.0 / limit.half.max(1e-9));
                     sum = off.mul_add(off, sum);
                 }
                 Self::Margin => {
@@ -60,8 +61,7 @@ impl Choice {
     /// The best of the branches that are among `valid`, one mask of lanes a branch.
     #[inline(always)]
     pub(super) fn pick<R: Real>(self, group: &Group<'_, R>, valid: &[Lanes; BRANCHES]) -> Best<R> {
-        let mut best =
-            Best { cost: R::splat(f64::INFINITY), branch: R::zero(), found: 0 };
+        let mut best = Best { cost: R::splat(f64::INFINITY), branch: R::zero(), found: 0 };
         for (b, lanes) in valid.iter().enumerate() {
             if *lanes == 0 {
                 continue;

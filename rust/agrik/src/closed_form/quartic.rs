@@ -30,8 +30,7 @@ pub fn roots(form: &[[f64; 3]; 3]) -> [Root; 4] {
     let c2 = 0.5 * (form[1][1] - form[2][2]);
     let s2 = 0.5 * (form[1][2] + form[2][1]);
     let size = c0.abs() + c1.abs() + s1.abs() + c2.abs() + s2.abs();
-    let mut out =
-        [Root { turn: (0.0, 1.0), merged: true, singular: false }; 4];
+    let mut out = [Root { turn: (0.0, 1.0), merged: true, singular: false }; 4];
     if size == 0.0 || !size.is_finite() {
         return out;
     }
@@ -51,7 +50,8 @@ pub fn roots(form: &[[f64; 3]; 3]) -> [Root; 4] {
         let (f, slope, bend) = value(t);
         // Where two roots meet Newton's steps are slow; their common place is where the
         // slope vanishes.
-        let touches = slope.abs() < 1e-3 * size && f.abs() < 1e-6 * size && bend.abs() > 1e-3 * size;
+        let touches =
+            slope.abs() < 1e-3 * size && f.abs() < 1e-6 * size && bend.abs() > 1e-3 * size;
         if touches {
             let mut turn = t;
             for _ in 0..4 {

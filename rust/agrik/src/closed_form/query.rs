@@ -115,11 +115,7 @@ impl<'a> Query<'a> {
 
 /// All branches of every target, on `threads` threads (0: the number in force); `poll` as
 /// for [`crate::batch::solve`].
-pub fn all(
-    query: &Query<'_>,
-    threads: usize,
-    poll: &mut dyn FnMut() -> bool,
-) -> Result<Branches> {
+pub fn all(query: &Query<'_>, threads: usize, poll: &mut dyn FnMut() -> bool) -> Result<Branches> {
     all_at(Level::in_use(), query, threads, poll)
 }
 
@@ -159,11 +155,15 @@ fn all_into_at(
         return Err(Error::argument("q", format!("room for {wanted} numbers"), q.len()));
     }
     let mut branches = Branches::new(query.plan.len());
-    let runs = branches.as_mut_with(q).split(RUN);
+    let rows = branches.as_mut_with(q);
+    let runs = if rows.len() <= RUN { vec![rows] } else { rows.split(RUN) };
     let few = query.plan.len() <= FEW;
     let work = |mut rows: BranchesMut<'_>| {
-        let kernel = All { query, rows: &mut rows };
-        if few { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
+        if few {
+            dispatch(level, AllFew { query, rows: &mut rows });
+        } else {
+            dispatch(level, All { query, rows: &mut rows });
+        }
     };
     if share(runs, threads, &work, poll) { Ok(branches) } else { Err(Error::Interrupted) }
 }
@@ -181,7 +181,8 @@ pub fn best_at(
     poll: &mut dyn FnMut() -> bool,
 ) -> Result<Answers> {
     let mut answers = Answers::new(query.plan.len(), query.chain().dof());
-    let runs = if query.plan.is_empty() { Vec::new() } else { answers.as_mut().split(RUN) };
+    let rows = answers.as_mut();
+    let runs = if rows.len() <= RUN { vec![rows] } else { rows.split(RUN) };
     let few = query.plan.len() <= FEW;
     let work = |mut rows: AnswersMut<'_>| {
         let kernel = One { query, rows: &mut rows };
@@ -214,6 +215,30 @@ impl Kernel for All<'_, '_> {
                 }
             }
             row += R::WIDTH;
+        }
+    }
+}
+
+/// [`all`] for a few targets: one at a time, its branches checked side by side.
+struct AllFew<'k, 'a> {
+    query: &'k Query<'k>,
+    rows: &'k mut BranchesMut<'a>,
+}
+
+impl Kernel for AllFew<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        let (query, rows) = (self.query, self.rows);
+        let mut group = query.group::<R::Single>();
+        let mut wide = query.group::<R>();
+        let end = rows.first + rows.len();
+        for row in rows.first..end {
+            let (_, bad) = query.load(&mut group, row, end);
+            if bad == 0 {
+                group.solve_with(&mut wide);
+            }
+            write(&group, 0, bad != 0, rows, row - rows.first);
         }
     }
 }

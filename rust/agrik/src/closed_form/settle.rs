@@ -134,6 +134,45 @@ impl<'a, R: Real> Group<'a, R> {
         }
     }
 
+    /// Solves the goal of a group of one lane; its branches are brought within limits and
+    /// checked in the lanes of another group.
+    #[inline(always)]
+    pub fn solve_with<W: Real>(&mut self, wide: &mut Group<'_, W>) {
+        let tool = self.tail.translation;
+        self.form.solve(&self.goal, tool, self.angle, &self.preferred, &mut self.candidates);
+        for i in 0..3 {
+            wide.goal.position[i] = W::splat(self.goal.position[i].lane(0));
+            for k in 0..3 {
+                wide.goal.axes[k][i] = W::splat(self.goal.axes[k][i].lane(0));
+            }
+        }
+        for j in 0..self.joints {
+            wide.centre[j] = W::splat(self.centre[j].lane(0));
+        }
+        let mut first = 0;
+        while first < BRANCHES {
+            wide.candidates[0].merged = 0;
+            for lane in 0..W::WIDTH.min(BRANCHES - first) {
+                let from = &self.candidates[first + lane];
+                wide.candidates[0].merged |= (from.merged & 1) << lane;
+                for (to, x) in wide.candidates[0].q.iter_mut().zip(&from.q) {
+                    to.set_lane(lane, x.lane(0));
+                }
+            }
+            wide.wrap(0);
+            wide.check(0);
+            for lane in 0..W::WIDTH.min(BRANCHES - first) {
+                let b = first + lane;
+                for (to, x) in self.candidates[b].q.iter_mut().zip(&wide.candidates[0].q) {
+                    to.set_lane(0, x.lane(lane));
+                }
+                self.reached[b] = wide.reached[0] >> lane & 1;
+                self.inside[b] = wide.inside[0] >> lane & 1;
+            }
+            first += W::WIDTH;
+        }
+    }
+
     /// Branches at an arm angle, not yet within limits nor checked.
     #[inline(always)]
     pub fn solve_at(&mut self, arm: &Srs, at: &Reached<R>, angle: Turn<R>) {

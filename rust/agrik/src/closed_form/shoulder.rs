@@ -10,7 +10,7 @@
 
 use super::geometry::{Geometry, Link};
 use super::quartic;
-use super::turn::{Turn, linear, minus, turned, unit_turn, SINGULAR};
+use super::turn::{SINGULAR, Turn, linear, minus, turned, unit_turn};
 use crate::lanes::{Real, V3};
 
 /// Which equations come apart.
@@ -145,21 +145,11 @@ impl Shoulder {
     fn first<R: Real>(&self, p: V3<R>, x: R, y: R, preferred: Turn<R>) -> Turn<R> {
         // In squared metres: both points count.
         let least = self.least * self.least;
-        unit_turn(
-            p[1].mul_add(x, -(p[0] * y)),
-            p[0].mul_add(x, p[1] * y),
-            least,
-            preferred,
-        )
+        unit_turn(p[1].mul_add(x, -(p[0] * y)), p[0].mul_add(x, p[1] * y), least, preferred)
     }
 
     #[inline(always)]
-    fn parallel_elbow<R: Real>(
-        &self,
-        p: V3<R>,
-        preferred: &[Turn<R>; 3],
-        arms: &mut [Arm<R>; 4],
-    ) {
+    fn parallel_elbow<R: Real>(&self, p: V3<R>, preferred: &[Turn<R>; 3], arms: &mut [Arm<R>; 4]) {
         let Link { d, a, sine, cosine, .. } = self.one;
         // The centre's way along axes 2 and 3 never changes.
         let along = self.two.d + self.two.cosine * self.height;
@@ -180,8 +170,10 @@ impl Shoulder {
             let cosine = (span - R::splat(upper * upper + fore * fore)) * scale;
             let elbow = linear(R::splat(1.0), R::zero(), cosine, 0.0, preferred[2]);
             for (j, third) in elbow.turns.into_iter().enumerate() {
-                let (vy, vx) =
-                    (third.0 * side * R::splat(fore), third.1.mul_add(R::splat(fore), R::splat(upper)));
+                let (vy, vx) = (
+                    third.0 * side * R::splat(fore),
+                    third.1.mul_add(R::splat(fore), R::splat(upper)),
+                );
                 let second = unit_turn(
                     across.mul_add(vx, -(x * vy)),
                     x.mul_add(vx, across * vy),
@@ -284,8 +276,8 @@ impl Shoulder {
             let v = self.seen_from_second(third);
             // x and y of the centre after the second joint's turn.
             let square = v[0].mul_add(v[0], v[1].mul_add(v[1], v[2] * v[2]));
-            let x = (up.mul_add(up, ring) - square - R::splat(one.a * one.a))
-                * R::splat(0.5 / one.a);
+            let x =
+                (up.mul_add(up, ring) - square - R::splat(one.a * one.a)) * R::splat(0.5 / one.a);
             let y = (up - v[2] * R::splat(one.cosine)) * R::splat(1.0 / one.sine);
             let second = unit_turn(
                 y.mul_add(v[0], -(x * v[1])),
@@ -313,18 +305,13 @@ impl Shoulder {
         let vx = [two.a, r, 0.0];
         let vy = [-two.sine * w, 0.0, two.cosine * r];
         let vz = [two.d + two.cosine * w, 0.0, two.sine * r];
-        let fixed =
-            two.a * two.a + two.d * two.d + r * r + w * w + 2.0 * two.d * two.cosine * w;
+        let fixed = two.a * two.a + two.d * two.d + r * r + w * w + 2.0 * two.d * two.cosine * w;
         let square = [fixed, 2.0 * two.a * r, 2.0 * two.d * two.sine * r];
         let known = up * up + ring - one.a * one.a;
         let k = 0.5 / one.a;
         let x = [(known - square[0]) * k, -square[1] * k, -square[2] * k];
         let m = 1.0 / one.sine;
-        let y = [
-            (up - one.cosine * vz[0]) * m,
-            -one.cosine * vz[1] * m,
-            -one.cosine * vz[2] * m,
-        ];
+        let y = [(up - one.cosine * vz[0]) * m, -one.cosine * vz[1] * m, -one.cosine * vz[2] * m];
         // x^2 + y^2 - vx^2 - vy^2 = 0 as a form in (1, cos, sin).
         let mut form = [[0.0; 3]; 3];
         for (v, sign) in [(x, 1.0), (y, 1.0), (vx, -1.0), (vy, -1.0)] {

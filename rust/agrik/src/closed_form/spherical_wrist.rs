@@ -101,4 +101,3 @@ pub fn wrist_center<R: Real>(g: &Geometry, goal: &Goal<R>, tool: [f64; 3]) -> V3
     let p = axpy(goal.axes[0], R::splat(-tool[0]), p);
     axpy(goal.axes[1], R::splat(-tool[1]), p)
 }
-

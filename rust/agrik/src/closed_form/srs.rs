@@ -103,9 +103,9 @@ impl Srs {
         // Above the shoulder any direction will do: the robot's x.
         let z = [R::zero(), R::zero(), R::splat(1.0)];
         let x = [R::splat(1.0), R::zero(), R::zero()];
-        let (up, upright) = direction(less(z, to_wrist));
+        let (up, upright) = upright_part(z, to_wrist);
         let upside = upright.lt(R::splat(1e-9));
-        let lean_x = if R::bits(upside) == 0 { up } else { direction(less(x, to_wrist)).0 };
+        let lean_x = if R::bits(upside) == 0 { up } else { upright_part(x, to_wrist).0 };
         let zero = crate::lanes::select3::<R>(upside, lean_x, up);
 
         let three = g.links[2];
@@ -141,7 +141,7 @@ impl Srs {
             y.mul_add(R::splat(three.sine), R::splat(three.d + three.cosine * self.height)),
         ];
         let (along, _) = direction(v);
-        let (side, out) = direction(self.elbow_side(along));
+        let (side, out) = upright_part(self.elbow_point(), along);
         // A stretched elbow leans nowhere: where it would, bent a little.
         let straight = out.lt(R::splat(1e-9));
         let hinge = splat3::<R>([0.0, -three.sine, three.cosine]);
@@ -157,14 +157,12 @@ impl Srs {
         }
     }
 
-    /// The elbow, a point of the third link, less its part along the line to the wrist,
-    /// per metre of the elbow's distance from the shoulder.
+    /// Direction of the elbow, a point of the third link, seen from the shoulder.
     #[inline(always)]
-    fn elbow_side<R: Real>(&self, along: V3<R>) -> V3<R> {
+    fn elbow_point<R: Real>(&self) -> V3<R> {
         let three = self.geometry.links[2];
         let length = three.a.hypot(three.d);
-        let elbow = splat3::<R>([three.a / length, 0.0, three.d / length]);
-        less(elbow, along)
+        splat3::<R>([three.a / length, 0.0, three.d / length])
     }
 
     /// The orientation of the third link at an arm angle (sine and cosine).
@@ -292,10 +290,9 @@ impl Srs {
         };
         let (along, side) = (world(elbow.frame[0]), world(elbow.frame[1]));
         let z = [0.0, 0.0, 1.0];
-        let lean = |v: V3<f64>| direction(axpy(along, -dot(along, v), v));
-        let (mut zero, upright) = lean(z);
+        let (mut zero, upright) = upright_part(z, along);
         if upright < 1e-9 {
-            zero = lean([1.0, 0.0, 0.0]).0;
+            zero = upright_part([1.0, 0.0, 0.0], along).0;
         }
         dot(cross(along, zero), side).atan2(dot(zero, side))
     }
@@ -305,6 +302,14 @@ impl Srs {
 #[inline(always)]
 fn less<R: Real>(v: V3<R>, along: V3<R>) -> V3<R> {
     axpy(along, -dot(along, v), v)
+}
+
+/// Direction and length of the part of `v` at right angles to a unit vector.
+#[inline(always)]
+fn upright_part<R: Real>(v: V3<R>, along: V3<R>) -> (V3<R>, R) {
+    let (rough, length) = direction(less(v, along));
+    // A short part has few digits left: a second pass makes the angle right again.
+    (direction(less(rough, along)).0, length)
 }
 
 /// Column `k` of the rotation that takes the frame `from` (columns) to the frame `to`.

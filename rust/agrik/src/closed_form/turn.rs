@@ -8,6 +8,8 @@ pub type Turn<R> = (R, R);
 
 /// Below this sine two branches of an equation are one, and the second is dropped.
 const MERGED: f64 = 1e-9;
+/// Below this sine nothing decides the turn of the first of three joints.
+const OPEN: f64 = 1e-12;
 /// Below this sine a solution is reported as singular.
 pub const SINGULAR: f64 = 1e-6;
 
@@ -34,10 +36,7 @@ pub fn unit_turn<R: Real>(y: R, x: R, least: f64, fallback: Turn<R>) -> Turn<R> 
 /// The angle `turn - by`.
 #[inline(always)]
 pub fn minus<R: Real>(turn: Turn<R>, by: Turn<R>) -> Turn<R> {
-    (
-        turn.0.mul_add(by.1, -(turn.1 * by.0)),
-        turn.1.mul_add(by.1, turn.0 * by.0),
-    )
+    (turn.0.mul_add(by.1, -(turn.1 * by.0)), turn.1.mul_add(by.1, turn.0 * by.0))
 }
 
 /// Both angles with `a cos + b sin = c`; where `c` is out of range, the angle that comes
@@ -149,10 +148,12 @@ impl Meeting {
         uy: R,
         preferred: Turn<R>,
     ) -> Triple<R> {
+        // Both (ux, uy) and mz are as long as the sine of the second angle where that is
+        // small, so the length here is its square.
         let first = unit_turn(
             mz[1].mul_add(ux, -(mz[0] * uy)),
             mz[0].mul_add(ux, mz[1] * uy),
-            1e-12,
+            OPEN * OPEN,
             preferred,
         );
         // The third from the first two, so that their errors cancel near the singularity:
