@@ -1,4 +1,4 @@
-"""Make the parts of the documentation that come from the robots: one picture, one table each."""
+"""Make the parts of the documentation that come from the code: pictures and tables."""
 
 import math
 from pathlib import Path
@@ -7,6 +7,7 @@ import matplotlib as mpl
 import numpy as np
 
 import agrik_fast as ik
+from agrik_fast.papers import redundant7
 
 mpl.use("Agg")
 # The same drawing has the same bytes, whoever makes it.
@@ -74,5 +75,7 @@ def main(folder: Path) -> None:
     folder.mkdir(exist_ok=True)
     draw_reach(folder / "reach.svg")
     draw_arm_angles(folder / "arm_angles.svg")
+
+    redundant7.reproduce(folder / "papers" / "redundant7", repeats=200)
     for name in ik.Robot.names():
         (folder / f"{name}.md").write_text(describe(name), encoding="utf-8")

@@ -35,7 +35,9 @@ def turns_apart(q: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.abs(off - 2 * np.pi * np.round(off / (2 * np.pi))).max(axis=-1)
 
 
-def assert_branches_reach(arm: Robot, targets: np.ndarray, q: np.ndarray, which: np.ndarray) -> None:
+def assert_branches_reach(
+    arm: Robot, targets: np.ndarray, q: np.ndarray, which: np.ndarray
+) -> None:
     """The branches `which` put the tool at their targets, by forward kinematics."""
     got = arm.fk(q[which])
     wanted = np.broadcast_to(targets[..., None, :, :], (*which.shape, 4, 4))[which]

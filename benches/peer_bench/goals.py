@@ -124,7 +124,11 @@ def _closed(results: dict[str, Any]) -> list[Row]:
         if robot == "P6" and eaik and "batch_ratio" in eaik:
             for name, key, least in (
                 ("every branch, batch: EAIK's mean / ours", "batch_ratio", CLOSED_BATCH_RATIO_P6),
-                ("every branch, single: EAIK's median / ours", "single_ratio", CLOSED_SINGLE_RATIO_P6),
+                (
+                    "every branch, single: EAIK's median / ours",
+                    "single_ratio",
+                    CLOSED_SINGLE_RATIO_P6,
+                ),
             ):
                 rows += _ratio(f"P6 {name}", ("eaik", eaik[key]), least)
             same = eaik["same_count"]

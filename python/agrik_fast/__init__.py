@@ -7,9 +7,10 @@ with it the command line's help) costs next to nothing.
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from . import errors, solvers, tasks
+    from . import errors, euler, solvers, tasks
     from ._native import __version__, get_num_threads, set_num_threads, simd_level
     from .errors import AgrikError, ArgumentError, RobotFileError, UnknownNameError, UrdfError
+    from .path import Path
     from .result import Branches, IkResult, Singularity, Status
     from .robot import Robot
 else:
@@ -21,6 +22,7 @@ __all__ = [
     "ArgumentError",
     "Branches",
     "IkResult",
+    "Path",
     "Robot",
     "RobotFileError",
     "Singularity",
@@ -29,6 +31,7 @@ __all__ = [
     "UrdfError",
     "__version__",
     "errors",
+    "euler",
     "get_num_threads",
     "set_num_threads",
     "simd_level",

@@ -10,6 +10,7 @@ MODULE_OF = {
     "ArgumentError": "errors",
     "Branches": "result",
     "IkResult": "result",
+    "Path": "path",
     "Robot": "robot",
     "RobotFileError": "errors",
     "Singularity": "result",
@@ -23,7 +24,7 @@ MODULE_OF = {
 }
 """Module that defines each public name."""
 
-MODULES = ("errors", "solvers", "tasks")
+MODULES = ("errors", "euler", "solvers", "tasks")
 """Modules that are public names themselves."""
 
 _PACKAGE = "agrik_fast"

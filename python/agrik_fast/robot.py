@@ -17,8 +17,10 @@ from ._stream import solve_ahead
 from .errors import UnknownNameError
 
 if TYPE_CHECKING:
+    from ._native import TargetSolver
+    from .path import Path
     from .result import Branches, IkResult
-    from .solvers import Solver
+    from .solvers import DifferentialEvolution, GeneticAlgorithm, Solver
     from .tasks import Task
 
 __all__ = ["DhRow", "Robot"]
@@ -379,9 +381,9 @@ class Robot:
             What counts as reached, see `agrik_fast.tasks`. Default: "pose" for shape
             (..., 4, 4), "position" for (..., 3).
         solver : solver or a name, default "lm"
-            How to get there, see `agrik_fast.solvers`: "lm", "dls", "pinv", "transpose",
-            "closed_form" (full poses of arms that have one, see `closed_form`), or "auto",
-            the closed form where there is one, else "lm".
+            How to get there, see `agrik_fast.solvers`; names are "lm", "dls", "pinv",
+            "transpose", "de", "ga", "closed_form" (full poses of arms that have one, see
+            `closed_form`) and "auto", the closed form where there is one, else "lm".
         q0 : array_like, shape broadcastable to (..., n), rad or m, optional
             Start values of the first attempt. Default: chosen from the seed.
         seed : int, default 0
@@ -429,6 +431,154 @@ class Robot:
             orientation_tolerance,
             first_index,
         )
+
+    def solver(
+        self,
+        task: Task | str | None = None,
+        solver: Solver | str = "lm",
+        seed: int = 0,
+        tool: ArrayLike | None = None,
+        *,
+        position_tolerance: float = 1e-6,
+        orientation_tolerance: float = 1e-6,
+    ) -> TargetSolver:
+        """Make a solver for one target at a time, for control loops.
+
+        Options are read once; its `solve` allocates nothing and gives, bit for bit, what
+        `ik` gives for the same target.
+
+        Parameters
+        ----------
+        task : task or {"position", "pose", "axis"}, default "pose"
+            What counts as reached, see `agrik_fast.tasks`.
+        solver, seed, tool, position_tolerance, orientation_tolerance
+            As for `ik`; step solvers only.
+
+        Returns
+        -------
+        TargetSolver
+            With `solve(target, q0)` and the last answer as attributes.
+
+        Raises
+        ------
+        ArgumentError
+            As for `ik`.
+        """
+        return self._chain.solver(
+            task, solver, seed, tool, position_tolerance, orientation_tolerance
+        )
+
+    def follow(
+        self,
+        targets: ArrayLike,
+        q0: ArrayLike | None = None,
+        max_joint_step: ArrayLike = 0.1,
+        task: Task | str | None = None,
+        seed: int = 0,
+        tool: ArrayLike | None = None,
+        *,
+        pull: float = 0.5,
+        position_tolerance: float = 1e-6,
+        orientation_tolerance: float = 1e-6,
+    ) -> Path:
+        """Follow a sequence of targets, every posture the continuation of the one before.
+
+        Each target is solved by the default step solver from the posture before, inside
+        limits that leave every joint no more than one step. The freedom that a redundant
+        arm has is used to stay near the posture before. If that fails, other postures
+        within the step are tried; if none leads to the target, the nearest posture that a
+        search of the whole range finds is taken and reported as a discontinuity.
+
+        Parameters
+        ----------
+        targets : array_like, shape (n, 4, 4) or (n, 3)
+            Poses of the tool, or positions of the tool point, in order, base frame; m.
+        q0 : array_like, shape (dof,), rad or m, optional
+            Where the arm stands before the first target, within the limits. Without it the
+            first posture is free.
+        max_joint_step : float or array_like, shape (dof,), rad or m, default 0.1
+            Largest change of each joint from one target to the next.
+        task, tool, position_tolerance, orientation_tolerance : optional
+            As in `ik`.
+        seed : int, default 0
+            Seed of the searches, 0 to 2**64 - 1.
+        pull : float, default 0.5
+            Share of the way back to the posture before that each solver step goes in the
+            null space of the task; 0 to 1.
+
+        Returns
+        -------
+        Path
+            Joint values, success, errors and discontinuities, one row a target.
+
+        Raises
+        ------
+        ArgumentError
+            A wrong shape, type or value of an argument; start values out of the limits.
+        KeyboardInterrupt
+            Ctrl-C.
+        """
+        from .path import Path
+
+        result, jumps = self._chain.follow(
+            targets,
+            max_joint_step,
+            q0,
+            pull,
+            task,
+            seed,
+            tool,
+            position_tolerance,
+            orientation_tolerance,
+        )
+        steps = np.zeros_like(result.q)
+        if len(steps):
+            steps[1:] = np.diff(result.q, axis=0)
+            if q0 is not None:
+                steps[0] = result.q[0] - float_array("q0", q0)
+        return Path(
+            q=result.q,
+            success=result.success,
+            status=result.status,
+            position_error=result.position_error,
+            orientation_error=result.orientation_error,
+            iterations=result.iterations,
+            discontinuity=jumps,
+            joint_step=steps,
+        )
+
+    def cost_history(
+        self,
+        target: ArrayLike,
+        solver: DifferentialEvolution | GeneticAlgorithm | str = "de",
+        task: Task | str | None = None,
+        q0: ArrayLike | None = None,
+        seed: int = 0,
+        tool: ArrayLike | None = None,
+    ) -> FloatArray:
+        """Best cost of a population solver, generation by generation.
+
+        Parameters
+        ----------
+        target : array_like, shape (4, 4) or (3,)
+            Pose of the tool, or position of the tool point, in the base frame; m.
+        solver : DifferentialEvolution, GeneticAlgorithm, "de" or "ga"
+            The search.
+        task, q0, seed, tool : optional
+            As in `ik`.
+
+        Returns
+        -------
+        ndarray, shape (generations + 1,)
+            Cost of the best individual of the first population and after each generation
+            of the first run of `ik` with the same arguments; weights of the solver.
+
+        Raises
+        ------
+        ArgumentError
+            A step solver, several targets, or a wrong argument as in `ik`.
+        """
+        return self._chain.cost_history(target, solver, task, q0, seed, tool)
 
     @property
     def closed_form(self) -> str | None:

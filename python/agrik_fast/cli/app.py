@@ -110,7 +110,13 @@ def solve(
         str | None,
         typer.Option(help="position, pose or axis; by default pose if there are orientations."),
     ] = None,
-    solver: Annotated[str, typer.Option(help="lm, dls, pinv or transpose.")] = "lm",
+    solver: Annotated[
+        str,
+        typer.Option(
+            help="lm, dls, pinv, pinv-closed, transpose, ccd, ik-pid, state-space, static-gain, "
+            "broyden, de or ga."
+        ),
+    ] = "lm",
     tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-6,
     tol_rad: Annotated[float, typer.Option(help="Orientation tolerance in radians.")] = 1e-6,
     tool_axis: Annotated[
@@ -177,3 +183,70 @@ def info(
         from .info import describe, list_robots
 
         typer.echo(list_robots() if robot is None else describe(robot))
+
+
+@app.command()
+def tune(
+    robot: Annotated[str, typer.Argument(help="A bundled robot's name, or a .toml or .urdf file.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Gain file: .toml or .json.")],
+    solver: Annotated[
+        str, typer.Option(help="state-space, static-gain or ik-pid.")
+    ] = "state-space",
+    shape: Annotated[
+        str, typer.Option(help="State space: input (B alone), diagonal (of A, and B) or full.")
+    ] = "input",
+    method: Annotated[str, typer.Option(help="pso (particle swarm) or cma (CMA-ES).")] = "pso",
+    start: Annotated[str, typer.Option(help="Where attempts start: zero or middle.")] = "zero",
+    goals: Annotated[int, typer.Option(min=1, help="Training goals.")] = 3000,
+    evaluations: Annotated[int, typer.Option(min=1, help="Gain sets to judge.")] = 4840,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the search and its goals.")] = 0,
+    tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-3,
+    threads: Annotated[
+        int | None, typer.Option(min=1, help="Threads; by default all cores.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on from the checkpoint of a run that was killed.")
+    ] = False,
+) -> None:
+    """Find the gains of a feedback solver and write them with how well they do.
+
+    A checkpoint beside the output keeps the search, every few seconds, until it is done.
+    """
+    with _exit_codes():
+        from ..tune import Tuning
+        from .tune import tune_to_file
+
+        tuning = Tuning(
+            solver=solver,
+            shape=shape,
+            method=method,
+            start=start,
+            goals=goals,
+            evaluations=evaluations,
+            seed=seed,
+            tolerance=tol,
+            threads=threads,
+        )
+        content = tune_to_file(robot, tuning, output, force=force, resume=resume)
+        success = content.success
+        if success is not None:
+            typer.echo(
+                f"{success.solved} of {success.goals} goals kept apart are reached "
+                f"(training: {content.training.solved} of {content.training.goals})"
+            )
+        typer.echo(f"gains: {output}")
+
+
+@app.command()
+def paper(
+    name: Annotated[str, typer.Argument(help="Whose paper: hydrolek or redundant7.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
+) -> None:
+    """Write the tables and figures of a paper, regenerated, beside the published numbers."""
+    with _exit_codes():
+        from .paper import reproduce
+
+        files = reproduce(name, output, lambda line: typer.echo(f"{name}: {line}", err=True))
+        for file in files:
+            typer.echo(str(file))

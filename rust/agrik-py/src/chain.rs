@@ -6,12 +6,14 @@ use agrik::chain;
 use agrik::closed_form::ClosedForm;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyFloat};
 
 use crate::branches::Branches;
 use crate::build::{self, DhTable, Frame};
+use crate::control::TargetSolver;
 use crate::convert::{array, transform};
-use crate::ik::{self, Arguments};
+use crate::follow::{self, Along, Followed};
+use crate::ik::{self, Arguments, Options};
 use crate::result::IkResult;
 use crate::{errors, kinematics};
 
@@ -22,6 +24,11 @@ pub struct Chain(Arc<chain::Chain>);
 impl Chain {
     fn wrap(py: Python<'_>, made: agrik::Result<chain::Chain>) -> PyResult<Self> {
         made.map(|chain| Self(Arc::new(chain))).map_err(|error| errors::from_core(py, error))
+    }
+
+    /// The core's chain.
+    pub fn core(&self) -> Arc<chain::Chain> {
+        Arc::clone(&self.0)
     }
 
     fn of_variables(&self, pick: impl Fn(&chain::Variable) -> f64) -> Vec<f64> {
@@ -210,6 +217,104 @@ impl Chain {
             first_index,
         };
         ik::solve(py, &self.0, &given)
+    }
+
+    /// Make a solver for one target at a time; see `agrik_fast.Robot.solver`.
+    #[pyo3(signature = (
+        task=None, solver=None, seed=None, tool=None, position_tolerance=None,
+        orientation_tolerance=None
+    ))]
+    #[allow(clippy::too_many_arguments)]
+    fn solver(
+        &self,
+        py: Python<'_>,
+        task: Option<&Bound<'_, PyAny>>,
+        solver: Option<&Bound<'_, PyAny>>,
+        seed: Option<&Bound<'_, PyAny>>,
+        tool: Option<&Bound<'_, PyAny>>,
+        position_tolerance: Option<&Bound<'_, PyAny>>,
+        orientation_tolerance: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<TargetSolver> {
+        let none = py.None().into_bound(py);
+        let given = Arguments {
+            targets: &none,
+            task,
+            solver,
+            q0: None,
+            seed,
+            tool,
+            threads: None,
+            position_tolerance,
+            orientation_tolerance,
+            first_index: None,
+        };
+        let options = Options::new(&self.0, &given, true)?;
+        TargetSolver::new(py, Arc::clone(&self.0), options)
+    }
+
+    /// Follow a sequence of targets; see `agrik_fast.Robot.follow`.
+    #[pyo3(signature = (
+        targets, max_joint_step, q0=None, pull=None, task=None, seed=None, tool=None,
+        position_tolerance=None, orientation_tolerance=None
+    ))]
+    #[allow(clippy::too_many_arguments)]
+    fn follow<'py>(
+        &self,
+        py: Python<'py>,
+        targets: &Bound<'py, PyAny>,
+        max_joint_step: &Bound<'py, PyAny>,
+        q0: Option<&Bound<'py, PyAny>>,
+        pull: Option<&Bound<'py, PyAny>>,
+        task: Option<&Bound<'py, PyAny>>,
+        seed: Option<&Bound<'py, PyAny>>,
+        tool: Option<&Bound<'py, PyAny>>,
+        position_tolerance: Option<&Bound<'py, PyAny>>,
+        orientation_tolerance: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Followed<'py>> {
+        let given = Arguments {
+            targets,
+            task,
+            solver: None,
+            q0: None,
+            seed,
+            tool,
+            threads: None,
+            position_tolerance,
+            orientation_tolerance,
+            first_index: None,
+        };
+        let usual = PyFloat::new(py, 0.5).into_any();
+        let along = Along { q0, max_joint_step, pull: pull.unwrap_or(&usual) };
+        follow::follow(py, &self.0, &given, &along)
+    }
+
+    /// Return the best cost of a population solver's first run, generation by generation.
+    #[pyo3(signature = (target, solver, task=None, q0=None, seed=None, tool=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn cost_history<'py>(
+        &self,
+        py: Python<'py>,
+        target: &Bound<'py, PyAny>,
+        solver: &Bound<'py, PyAny>,
+        task: Option<&Bound<'py, PyAny>>,
+        q0: Option<&Bound<'py, PyAny>>,
+        seed: Option<&Bound<'py, PyAny>>,
+        tool: Option<&Bound<'py, PyAny>>,
+    ) -> Array<'py> {
+        let given = Arguments {
+            targets: target,
+            task,
+            solver: Some(solver),
+            q0,
+            seed,
+            tool,
+            threads: None,
+            position_tolerance: None,
+            orientation_tolerance: None,
+            first_index: None,
+        };
+        let costs = ik::cost_history(py, &self.0, &given)?;
+        array(py, &[costs.len()], costs)
     }
 
     /// All branches of a batch of poses; see `agrik_fast.Robot.ik_all`.

@@ -1,15 +1,17 @@
 //! Inverse kinematics calls: arguments in, interpreter released, record of answers out.
 //!
 //! A call has two halves: [`Options`], everything that stays the same from call to call
-//! of a control loop, and the targets with their starts. A reusable solver object for
-//! control loops keeps the first half and its buffers, and only takes the second.
+//! of a control loop, and the targets with their starts. The solver object of `control`
+//! keeps the first half and only takes the second.
 
 use std::time::{Duration, Instant};
 
+use agrik::batch;
 use agrik::chain::{Chain, Tail};
 use agrik::closed_form::{self, ArmAngle, BRANCHES, Choice, ClosedForm, Query};
-use agrik::solve::{Plan, Settings, Starts, Tolerance};
-use agrik::{batch, task::Task};
+use agrik::lanes::Level;
+use agrik::solve::population::Evolution;
+use agrik::solve::{Answers, Plan, Settings, Solve, Starts, Tolerance};
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -17,9 +19,9 @@ use pyo3::sync::PyOnceLock;
 use crate::branches::Branches;
 use crate::convert::{self, Floats, numbers, shape_text, transform};
 use crate::result::IkResult;
-use crate::solver::Solver;
+use crate::solver::{self, Chosen};
 use crate::targets::{Targets, first_not_rigid, goals, not_rigid_error};
-use crate::{errors, solver, task, threads};
+use crate::{errors, task, threads};
 
 /// Time between two looks at pending signals of a call that has released the interpreter
 /// and has to wait for it each time. Results do not depend on it.
@@ -46,18 +48,18 @@ pub struct Arguments<'a, 'py> {
 }
 
 /// What the targets of a call share.
-struct Options {
-    wanted: task::Wanted,
-    solver: Solver,
-    tolerance: Tolerance,
-    tail: Option<Tail>,
-    seed: u64,
-    first_index: u64,
+pub struct Options {
+    pub wanted: task::Wanted,
+    pub solver: Chosen,
+    pub tolerance: Tolerance,
+    pub tail: Option<Tail>,
+    pub seed: u64,
+    pub first_index: u64,
     threads: usize,
 }
 
 impl Options {
-    fn new(chain: &Chain, given: &Arguments<'_, '_>, are_poses: bool) -> PyResult<Self> {
+    pub fn new(chain: &Chain, given: &Arguments<'_, '_>, are_poses: bool) -> PyResult<Self> {
         let index = |name: &str, value: Option<&Bound<'_, PyAny>>| {
             value.map_or(Ok(0), |value| convert::whole(name, value, 0, u64::MAX))
         };
@@ -74,7 +76,7 @@ impl Options {
         };
         Ok(Self {
             wanted: task::wanted(given.task, are_poses)?,
-            solver: solver::solver(given.solver)?,
+            solver: solver::chosen(given.solver, chain.name())?,
             tolerance,
             tail,
             seed: index("seed", given.seed)?,
@@ -126,141 +128,154 @@ impl<'py> Given<'py> {
     }
 }
 
-/// Refuses poses that are no rigid transforms.
-fn check_rigid(py: Python<'_>, leading: &[usize], poses: &[[f64; 16]]) -> PyResult<()> {
-    // Reading a long batch takes a while, during which others may run.
-    let found =
-        if poses.len() > 1 { py.detach(|| first_not_rigid(poses)) } else { first_not_rigid(poses) };
-    match found {
-        Some(row) => Err(not_rigid_error(py, leading, row, &poses[row])),
-        None => Ok(()),
-    }
+/// A call's arguments in memory of their own, checked, from which its plan is made.
+pub struct Call<'py> {
+    pub targets: Targets<'py>,
+    options: Options,
+    q0: Given<'py>,
 }
 
-/// Runs a call, without the interpreter where it may take long.
-fn run<T: Send>(
-    py: Python<'_>,
-    rows: usize,
-    threads: usize,
-    work: impl FnOnce(usize, &mut dyn FnMut() -> bool) -> agrik::Result<T> + Send,
-) -> PyResult<T> {
-    let mut signals = Signals::new();
-    let answers = if rows <= 1 {
-        work(1, &mut || signals.go_on_attached(py))
-    } else {
-        py.detach(|| work(threads, &mut || signals.go_on_detached()))
-    };
-    answers.map_err(|error| signals.raised.unwrap_or_else(|| errors::from_core(py, error)))
-}
+impl<'py> Call<'py> {
+    pub fn new(py: Python<'py>, chain: &Chain, given: &Arguments<'_, 'py>) -> PyResult<Self> {
+        let targets = Targets::new(given.targets)?;
+        let are_poses = targets.are_poses();
+        let options = Options::new(chain, given, are_poses)?;
+        let leading = targets.leading_shape();
+        let q0 = Given::new(given.q0, leading, chain.dof())?;
+        if are_poses {
+            let poses: &[[f64; 16]] = targets.values()?.as_chunks().0;
+            // Reading a long batch takes a while, during which others may run.
+            let found = if poses.len() > 1 {
+                py.detach(|| first_not_rigid(poses))
+            } else {
+                first_not_rigid(poses)
+            };
+            if let Some(row) = found {
+                return Err(not_rigid_error(py, leading, row, &poses[row]));
+            }
+        }
+        Ok(Self { targets, options, q0 })
+    }
 
-/// All branches of the targets of a call.
-pub fn solve_all(
-    py: Python<'_>,
-    chain: &Chain,
-    given: &Arguments<'_, '_>,
-    arm_angle: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Branches> {
-    let targets = Targets::new(given.targets)?;
-    let leading = targets.leading_shape();
-    if !targets.are_poses() {
-        let expected = "shape (..., 4, 4): closed forms take poses";
-        let mut shape = leading.to_vec();
-        shape.push(3);
-        let received = format!("shape {}", shape_text(&shape));
-        return Err(errors::argument(py, "targets", &received, expected));
+    pub fn plan<'a>(
+        &'a self,
+        py: Python<'_>,
+        chain: &'a Chain,
+        points: &'a mut Vec<[f64; 3]>,
+    ) -> PyResult<Plan<'a>> {
+        let options = &self.options;
+        let settings = match &options.solver {
+            Chosen::Step(settings) => settings.clone(),
+            _ => Settings::LEVENBERG_MARQUARDT,
+        };
+        let direction = options.wanted.direction;
+        let are_poses = self.targets.are_poses();
+        Plan::new(
+            chain,
+            options.wanted.task,
+            settings,
+            options.tolerance,
+            goals(self.targets.values()?, are_poses, direction, points),
+            self.q0.starts()?,
+            options.tail,
+            options.seed,
+            options.first_index,
+        )
+        .map_err(|error| errors::from_core(py, error))
     }
-    let options = Options::new(chain, given, true)?;
-    let q0 = Given::new(given.q0, leading, chain.dof())?;
-    let angles = match arm_angle {
-        None => None,
-        Some(angle) => Some(spread("arm_angle", angle, leading)?),
-    };
-    let values = targets.values()?;
-    let poses: &[[f64; 16]] = values.as_chunks().0;
-    check_rigid(py, leading, poses)?;
-    let plan = Plan::new(
-        chain,
-        Task::Pose,
-        Settings::LEVENBERG_MARQUARDT,
-        options.tolerance,
-        agrik::solve::Goals::Poses(poses),
-        q0.starts()?,
-        options.tail,
-        0,
-        0,
-    )
-    .map_err(|error| errors::from_core(py, error))?;
-    let angle = match &angles {
-        None => ArmAngle::Free,
-        Some(angles) => ArmAngle::Each(angles.values()?),
-    };
-    let query =
-        Query::new(&plan, angle, Choice::default()).map_err(|e| errors::from_core(py, e))?;
-    if plan.len() < MANY {
-        let all = run(py, plan.len(), options.threads, |threads, poll| {
-            closed_form::all(&query, threads, poll)
-        })?;
-        return Ok(Branches::new(leading.to_vec(), chain.dof(), all, None));
-    }
-    // NumPy asks for large pages, which makes filling fresh memory several times cheaper.
-    let shape = [leading, &[BRANCHES, chain.dof()]].concat();
-    let array = PyArrayDyn::<f64>::zeros(py, shape, false);
-    let mut open = array.try_readwrite().map_err(convert::internal)?;
-    let q = open.as_slice_mut().map_err(convert::internal)?;
-    let all = run(py, plan.len(), options.threads, |threads, poll| {
-        closed_form::all_into(&query, q, threads, poll)
-    })?;
-    drop(open);
-    Ok(Branches::new(leading.to_vec(), chain.dof(), all, Some(array.unbind())))
 }
 
 /// Solves the targets of a call.
 pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResult<IkResult> {
-    let targets = Targets::new(given.targets)?;
-    let are_poses = targets.are_poses();
-    let options = Options::new(chain, given, are_poses)?;
-    let leading = targets.leading_shape();
-    let q0 = Given::new(given.q0, leading, chain.dof())?;
-
-    let values = targets.values()?;
-    if are_poses {
-        check_rigid(py, leading, values.as_chunks().0)?;
-    }
+    let call = Call::new(py, chain, given)?;
     let mut points = Vec::new();
-    let direction = options.wanted.direction;
-    let plan = Plan::new(
-        chain,
-        options.wanted.task,
-        match options.solver {
-            Solver::Steps(settings) => settings,
-            _ => Settings::LEVENBERG_MARQUARDT,
-        },
-        options.tolerance,
-        goals(values, are_poses, direction, &mut points),
-        q0.starts()?,
-        options.tail,
-        options.seed,
-        options.first_index,
-    )
-    .map_err(|error| errors::from_core(py, error))?;
-
-    let query = match options.solver {
-        Solver::Steps(_) => None,
-        Solver::ClosedForm { choice, arm_angle } => {
-            let angle = arm_angle.map_or(ArmAngle::Free, ArmAngle::One);
-            Some(Query::new(&plan, angle, choice).map_err(|error| errors::from_core(py, error))?)
+    let plan = call.plan(py, chain, &mut points)?;
+    let leading = call.targets.leading_shape().to_vec();
+    let threads = call.options.threads;
+    let mut signals = Signals::new();
+    let closed = match &call.options.solver {
+        Chosen::ClosedForm { choice, arm_angle } => {
+            Some((arm_angle.map_or(ArmAngle::Free, ArmAngle::One), *choice))
         }
-        Solver::Auto if plan.task().fixes_pose() && ClosedForm::of(chain).is_ok() => Some(
-            Query::new(&plan, ArmAngle::Free, Choice::default())
-                .map_err(|error| errors::from_core(py, error))?,
-        ),
-        Solver::Auto => None,
+        Chosen::Auto if plan.task().fixes_pose() && ClosedForm::of(chain).is_ok() => {
+            Some((ArmAngle::Free, Choice::default()))
+        }
+        _ => None,
     };
-    let answers = run(py, plan.len(), options.threads, |threads, poll| match &query {
-        Some(query) => closed_form::best(query, threads, poll),
-        None => batch::solve(&plan, threads, poll),
-    })?;
-    Ok(IkResult::new(leading.to_vec(), chain.dof(), answers))
+    let query = match closed {
+        None => None,
+        Some((angle, choice)) => {
+            let query = Query::new(&plan, angle, choice);
+            Some(query.map_err(|error| errors::from_core(py, error))?)
+        }
+    };
+    let answers = match (&call.options.solver, &query) {
+        (_, Some(query)) if plan.len() <= 1 => {
+            batch::solve(query, 1, &mut || signals.go_on_attached(py))
+        }
+        (_, Some(query)) => detached(py, query, threads, &mut signals),
+        (Chosen::Population(settings), _) => {
+            let evolution = Evolution::new(plan.clone(), *settings)
+                .map_err(|error| errors::from_core(py, error))?;
+            detached(py, &evolution, threads, &mut signals)
+        }
+        _ if plan.len() <= 1 => batch::solve(&plan, 1, &mut || signals.go_on_attached(py)),
+        _ => detached(py, &plan, threads, &mut signals),
+    };
+    match answers {
+        Ok(answers) => Ok(IkResult::new(leading, chain.dof(), answers)),
+        Err(error) => Err(signals.raised.unwrap_or_else(|| errors::from_core(py, error))),
+    }
+}
+
+/// All branches of the targets of a call.
+pub fn solve_all<'py>(
+    py: Python<'py>,
+    chain: &Chain,
+    given: &Arguments<'_, 'py>,
+    arm_angle: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Branches> {
+    let call = Call::new(py, chain, given)?;
+    let leading = call.targets.leading_shape();
+    if !call.targets.are_poses() {
+        let expected = "shape (..., 4, 4): closed forms take poses";
+        let received = format!("shape {}", shape_text(&[leading, &[3]].concat()));
+        return Err(errors::argument(py, "targets", &received, expected));
+    }
+    let angles = match arm_angle {
+        None => None,
+        Some(angle) => Some(spread("arm_angle", angle, leading)?),
+    };
+    let angle = match &angles {
+        None => ArmAngle::Free,
+        Some(angles) => ArmAngle::Each(angles.values()?),
+    };
+    let mut points = Vec::new();
+    let plan = call.plan(py, chain, &mut points)?;
+    let query =
+        Query::new(&plan, angle, Choice::default()).map_err(|e| errors::from_core(py, e))?;
+    let threads = call.options.threads;
+    let mut signals = Signals::new();
+    let all = if plan.len() <= 1 {
+        closed_form::all(&query, 1, &mut || signals.go_on_attached(py)).map(|all| (all, None))
+    } else if plan.len() < MANY {
+        py.detach(|| closed_form::all(&query, threads, &mut || signals.go_on_detached()))
+            .map(|all| (all, None))
+    } else {
+        // NumPy asks for large pages, which makes filling fresh memory several times cheaper.
+        let shape = [leading, &[BRANCHES, chain.dof()]].concat();
+        let array = PyArrayDyn::<f64>::zeros(py, shape, false);
+        let mut open = array.try_readwrite().map_err(convert::internal)?;
+        let q = open.as_slice_mut().map_err(convert::internal)?;
+        let all = py
+            .detach(|| closed_form::all_into(&query, q, threads, &mut || signals.go_on_detached()));
+        drop(open);
+        all.map(|all| (all, Some(array.unbind())))
+    };
+    match all {
+        Ok((all, q)) => Ok(Branches::new(leading.to_vec(), chain.dof(), all, q)),
+        Err(error) => Err(signals.raised.unwrap_or_else(|| errors::from_core(py, error))),
+    }
 }
 
 /// Numbers of an argument that broadcasts to the targets' leading shape.
@@ -280,14 +295,45 @@ fn spread<'py>(
     Floats::new(argument, &full)
 }
 
+fn detached(
+    py: Python<'_>,
+    call: &impl Solve,
+    threads: usize,
+    signals: &mut Signals,
+) -> agrik::Result<Answers> {
+    py.detach(|| batch::solve(call, threads, &mut || signals.go_on_detached()))
+}
+
+/// The best cost of the first run of a population solver, generation by generation, for
+/// the first target of a call.
+pub fn cost_history(
+    py: Python<'_>,
+    chain: &Chain,
+    given: &Arguments<'_, '_>,
+) -> PyResult<Vec<f64>> {
+    let call = Call::new(py, chain, given)?;
+    let mut points = Vec::new();
+    let plan = call.plan(py, chain, &mut points)?;
+    let Chosen::Population(settings) = call.options.solver else {
+        return Err(errors::argument(py, "solver", "a step solver", "a population solver"));
+    };
+    if plan.len() != 1 {
+        let received = format!("{} targets", plan.len());
+        return Err(errors::argument(py, "targets", &received, "one target"));
+    }
+    Evolution::new(plan, settings)
+        .and_then(|evolution| py.detach(|| evolution.trace(Level::in_use(), 0)))
+        .map_err(|error| errors::from_core(py, error))
+}
+
 /// Asks Python from time to time whether a signal (Ctrl-C) ends the call.
-struct Signals {
+pub struct Signals {
     last: Instant,
-    raised: Option<PyErr>,
+    pub raised: Option<PyErr>,
 }
 
 impl Signals {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self { last: Instant::now(), raised: None }
     }
 
@@ -300,12 +346,12 @@ impl Signals {
     }
 
     /// For a call that has released the interpreter.
-    fn go_on_detached(&mut self) -> bool {
+    pub fn go_on_detached(&mut self) -> bool {
         !self.is_due(DETACHED_PERIOD) || Python::attach(|py| self.check(py))
     }
 
     /// For a short call that has not: lets the other threads have a turn as well.
-    fn go_on_attached(&mut self, py: Python<'_>) -> bool {
+    pub fn go_on_attached(&mut self, py: Python<'_>) -> bool {
         if !self.is_due(ATTACHED_PERIOD) {
             return true;
         }

@@ -4,15 +4,20 @@
 mod branches;
 mod build;
 mod chain;
+mod control;
 mod convert;
 mod errors;
+mod follow;
+mod gains;
 mod ik;
 mod kinematics;
+mod population;
 mod result;
 mod solver;
 mod targets;
 mod task;
 mod threads;
+mod tune;
 
 use pyo3::prelude::*;
 
@@ -26,11 +31,15 @@ mod _native {
     #[pymodule_export]
     use chain::Chain;
     #[pymodule_export]
+    use control::TargetSolver;
+    #[pymodule_export]
     use result::IkResult;
     #[pymodule_export]
     use solver::default_settings;
     #[pymodule_export]
     use threads::{get_num_threads, set_num_threads, simd_level};
+    #[pymodule_export]
+    use tune::Tuner;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -50,7 +50,7 @@ pub struct IkResult {
     shape: Vec<usize>,
     dof: usize,
     /// Rows by status.
-    counts: [usize; 4],
+    counts: [usize; 6],
     q: Column<f64>,
     status: Column<u8>,
     success: Column<bool>,
@@ -63,7 +63,7 @@ pub struct IkResult {
 impl IkResult {
     /// The record of answers to targets of a leading shape.
     pub fn new(shape: Vec<usize>, dof: usize, answers: Answers) -> Self {
-        let mut counts = [0; 4];
+        let mut counts = [0; 6];
         for status in &answers.status {
             if let Some(count) = counts.get_mut(usize::from(*status)) {
                 *count += 1;
@@ -133,7 +133,8 @@ impl IkResult {
     }
 
     fn __repr__(&self) -> String {
-        let names = ["converged", "out of reach", "not found", "bad input"];
+        let names =
+            ["converged", "out of reach", "not found", "bad input", "stalled", "non-finite"];
         let parts: Vec<String> = self
             .counts
             .iter()

@@ -124,6 +124,8 @@ pub struct TaskError<R, const M: usize> {
 
 /// A task as `M` rows over the number type `R`.
 pub trait Rows<R: Real, const M: usize>: Copy {
+    /// The error depends on how the tool is turned, not on its point alone.
+    const ORIENTS: bool;
     /// Error of the workspace's configuration.
     fn error(&self, at: &Workspace<R>, tool: V3<R>, goal: &Goal<R>) -> TaskError<R, M>;
     /// A column of the 6-row Jacobian as a column of the task's Jacobian.
@@ -135,6 +137,7 @@ pub trait Rows<R: Real, const M: usize>: Copy {
 pub struct PositionRows;
 
 impl<R: Real> Rows<R, 3> for PositionRows {
+    const ORIENTS: bool = false;
     #[inline(always)]
     fn error(&self, _at: &Workspace<R>, tool: V3<R>, goal: &Goal<R>) -> TaskError<R, 3> {
         let rows = sub(goal.position, tool);
@@ -154,6 +157,7 @@ pub struct PoseRows {
 }
 
 impl<R: Real> Rows<R, 6> for PoseRows {
+    const ORIENTS: bool = true;
     #[inline(always)]
     fn error(&self, at: &Workspace<R>, tool: V3<R>, goal: &Goal<R>) -> TaskError<R, 6> {
         let p = sub(goal.position, tool);
@@ -182,6 +186,7 @@ pub struct AxisRows {
 }
 
 impl<R: Real> Rows<R, 5> for AxisRows {
+    const ORIENTS: bool = true;
     #[inline(always)]
     fn error(&self, at: &Workspace<R>, tool: V3<R>, goal: &Goal<R>) -> TaskError<R, 5> {
         let p = sub(goal.position, tool);
@@ -249,6 +254,7 @@ impl MaskedRows {
 }
 
 impl<R: Real> Rows<R, 6> for MaskedRows {
+    const ORIENTS: bool = true;
     #[inline(always)]
     fn error(&self, at: &Workspace<R>, tool: V3<R>, goal: &Goal<R>) -> TaskError<R, 6> {
         let p = self.in_frame(at, sub(goal.position, tool));

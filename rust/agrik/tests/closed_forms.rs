@@ -4,8 +4,9 @@ mod common;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use agrik::batch;
 use agrik::chain::{Chain, DhConvention, DhRow, JointKind};
-use agrik::closed_form::{ArmAngle, BRANCHES, Choice, ClosedForm, Kind, Query, all, best};
+use agrik::closed_form::{ArmAngle, BRANCHES, Choice, ClosedForm, Kind, Query, all};
 use agrik::kinematics::{Workspace, tool_pose};
 use agrik::solve::{Goals, Plan, Settings, Starts, Status, Tolerance};
 use agrik::task::Task;
@@ -109,7 +110,7 @@ fn check(chain: &Chain, count: usize, sampler: &mut Sampler) -> f64 {
         }
         again += usize::from(nearest < 1e-6);
     }
-    let nearest = best(&query, 1, &mut || true).expect("not interrupted");
+    let nearest = batch::solve(&query, 1, &mut || true).expect("not interrupted");
     let solved = (0..count).filter(|row| nearest.success(*row)).count();
     assert!(solved >= again, "{solved} solved of {again}");
     again as f64 / count as f64
@@ -191,7 +192,7 @@ fn out_of_reach_is_proven() {
     let query = Query::new(&plan, ArmAngle::Free, Choice::Margin).expect("a closed form");
     let found = all(&query, 1, &mut || true).expect("not interrupted");
     assert_eq!(found.status, [Status::OutOfReach as u8]);
-    let one = best(&query, 1, &mut || true).expect("not interrupted");
+    let one = batch::solve(&query, 1, &mut || true).expect("not interrupted");
     assert_eq!(one.status, [Status::OutOfReach as u8]);
     assert!(one.position_error[0] > 5.0);
     assert!(chain.within_limits(&one.q));

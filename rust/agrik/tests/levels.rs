@@ -15,13 +15,23 @@ use arms::{ARMS, arm, points, poses, postures};
 
 /// More than one run of the batch engine, and not a whole number of them.
 const TARGETS: usize = 400;
-const SETTINGS: [Settings; 4] = [
-    Settings::LEVENBERG_MARQUARDT,
-    // Few steps and attempts: targets that are not reached have an answer too.
-    Settings { max_iterations: 12, max_restarts: 2, ..Settings::DAMPED },
-    Settings { max_iterations: 12, max_restarts: 2, ..Settings::PSEUDO_INVERSE },
-    Settings { max_iterations: 40, max_restarts: 1, ..Settings::TRANSPOSE },
-];
+/// Every step; of most few passes and attempts, since targets that are not reached have an
+/// answer too.
+fn all_settings() -> Vec<Settings> {
+    let few = |settings| Settings { max_iterations: 12, max_restarts: 2, ..settings };
+    vec![
+        Settings::LEVENBERG_MARQUARDT,
+        few(Settings::DAMPED),
+        few(Settings::PSEUDO_INVERSE),
+        few(Settings::CLOSED_PSEUDO_INVERSE),
+        few(Settings::TRANSPOSE),
+        few(Settings::DESCENT),
+        few(Settings::IK_PID),
+        few(Settings::STATE_SPACE),
+        few(Settings::STATIC_GAIN),
+        few(Settings::BROYDEN),
+    ]
+}
 
 fn tasks() -> [Task; 4] {
     [
@@ -66,7 +76,7 @@ impl Call<'_> {
         let plan = Plan::new(
             self.chain,
             self.task,
-            self.settings,
+            self.settings.clone(),
             Tolerance::default(),
             Goals::Poses(rows),
             self.starts
@@ -75,8 +85,8 @@ impl Call<'_> {
             5,
             first as u64,
         )
-        .unwrap();
-        solve_at(level, &plan, threads, &mut || true).unwrap()
+        .expect("the arguments are in range");
+        solve_at(level, &plan, threads, &mut || true).expect("nobody interrupts")
     }
 
     fn whole(&self, level: Level) -> Answers {
@@ -122,9 +132,15 @@ fn for_all_calls(mut check: impl FnMut(&Call<'_>, &str)) {
         let targets = mixed_targets(&chain);
         let starts = postures(&chain, TARGETS, 12);
         for task in tasks() {
-            for settings in SETTINGS {
+            for settings in all_settings() {
                 for starts in [None, Some(&starts[..])] {
-                    let call = Call { chain: &chain, task, settings, targets: &targets, starts };
+                    let call = Call {
+                        chain: &chain,
+                        task,
+                        settings: settings.clone(),
+                        targets: &targets,
+                        starts,
+                    };
                     let step = settings.step.name();
                     check(&call, &format!("{name}, {task:?}, {step}, {}", starts.is_some()));
                 }

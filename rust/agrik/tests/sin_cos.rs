@@ -14,10 +14,10 @@ struct Row {
 
 /// The numbers are written as the 16 hexadecimal digits of their bits.
 fn golden() -> Vec<Row> {
-    let number = |text: &str| f64::from_bits(u64::from_str_radix(text, 16).unwrap());
+    let number = |text: &str| f64::from_bits(u64::from_str_radix(text, 16).expect("hexadecimal"));
     let row = |line: &str| {
         let numbers: Vec<f64> = line.split(' ').map(number).collect();
-        let [x, s, s_low, c, c_low] = numbers[..] else { panic!("five numbers a line: {line}") };
+        let [x, s, s_low, c, c_low] = numbers.try_into().expect("five numbers a line");
         Row { x, sin: [s, s_low], cos: [c, c_low] }
     };
     GOLDEN.lines().filter(|line| !line.starts_with('#')).map(row).collect()

@@ -2,7 +2,8 @@
 //! iteration.
 //!
 //! [`ClosedForm::of`] recognises the family of a chain once; [`query`] holds the calls:
-//! all branches of each target, or the best branch by a stated criterion. A family solves
+//! all branches of each target, or the best branch by a stated criterion (a call of
+//! [`crate::batch::solve`]). A family solves
 //! whole lane groups through [`ClosedForm::solve`]; limits, the check by forward
 //! kinematics and the choice are common to all (see [`settle`]).
 
@@ -23,7 +24,7 @@ pub use branches::{Branches, BranchesMut};
 pub use candidates::{BRANCHES, Candidate, ELBOW, JOINTS, SHOULDER, WRIST};
 pub use choose::Choice;
 pub use geometry::{Geometry, Link, TOLERANCE};
-pub use query::{ArmAngle, Query, all, all_into, best};
+pub use query::{ArmAngle, Query, all, all_into};
 pub use shoulder::Kind;
 pub use spherical_wrist::SphericalWrist;
 pub use srs::Srs;

@@ -1,4 +1,4 @@
-//! Calls: all branches of every target, or the best branch of each.
+//! Calls: all branches of every target, or, as a [`Solve`], the best branch of each.
 
 use super::branches::{Branches, BranchesMut};
 use super::candidates::{BRANCHES, Lanes};
@@ -9,7 +9,7 @@ use crate::batch::share;
 use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
-use crate::solve::{Answers, AnswersMut, Outcome, Plan, Starts, Status};
+use crate::solve::{AnswersMut, Outcome, Plan, Solve, Starts, Status};
 use crate::task::{Goal, rotation_between};
 
 /// Targets of one run: what a thread takes at a time.
@@ -20,7 +20,7 @@ const FEW: usize = 2;
 /// The arm angles of a call, rad; of no account for arms without one.
 #[derive(Debug, Clone, Copy)]
 pub enum ArmAngle<'a> {
-    /// Whatever serves best: that of the start values, or the best of all for [`best`].
+    /// That of the start values; for the best branch, the best of all arm angles.
     Free,
     /// The same for all targets.
     One(f64),
@@ -168,27 +168,42 @@ fn all_into_at(
     if share(runs, threads, &work, poll) { Ok(branches) } else { Err(Error::Interrupted) }
 }
 
-/// The best branch of every target, as [`all`].
-pub fn best(query: &Query<'_>, threads: usize, poll: &mut dyn FnMut() -> bool) -> Result<Answers> {
-    best_at(Level::in_use(), query, threads, poll)
-}
-
-/// [`best`] with the instructions of a given level.
-pub fn best_at(
-    level: Level,
-    query: &Query<'_>,
-    threads: usize,
-    poll: &mut dyn FnMut() -> bool,
-) -> Result<Answers> {
-    let mut answers = Answers::new(query.plan.len(), query.chain().dof());
-    let rows = answers.as_mut();
-    let runs = if rows.len() <= RUN { vec![rows] } else { rows.split(RUN) };
-    let few = query.plan.len() <= FEW;
-    let work = |mut rows: AnswersMut<'_>| {
-        let kernel = One { query, rows: &mut rows };
-        if few { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
-    };
-    if share(runs, threads, &work, poll) { Ok(answers) } else { Err(Error::Interrupted) }
+impl Solve for Query<'_> {
+    fn rows(&self) -> usize {
+        self.plan.len()
+    }
+    fn dof(&self) -> usize {
+        self.chain().dof()
+    }
+    fn run_length(&self) -> usize {
+        RUN
+    }
+    /// The best branch of every target.
+    fn run<'a>(
+        &self,
+        level: Level,
+        next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
+        keep_going: &mut dyn FnMut() -> bool,
+    ) -> bool {
+        while let Some(mut rows) = next() {
+            // One call may hand out all of its rows at once.
+            let mut done = 0;
+            while done < rows.len() {
+                let end = rows.len().min(done + RUN);
+                let kernel = One { query: self, rows: &mut rows, begin: done, end };
+                if end - done <= FEW {
+                    dispatch_single(level, kernel);
+                } else {
+                    dispatch(level, kernel);
+                }
+                done = end;
+                if !keep_going() {
+                    return false;
+                }
+            }
+        }
+        true
+    }
 }
 
 /// [`all`] as a kernel.
@@ -289,10 +304,12 @@ fn status(form: &ClosedForm, any_valid: bool, any_reached: bool) -> Status {
     }
 }
 
-/// [`best`] as a kernel.
+/// The best branch of rows `begin..end` of a run.
 struct One<'k, 'a> {
     query: &'k Query<'k>,
     rows: &'k mut AnswersMut<'a>,
+    begin: usize,
+    end: usize,
 }
 
 impl Kernel for One<'_, '_> {
@@ -301,17 +318,16 @@ impl Kernel for One<'_, '_> {
     fn run<R: Real>(self) {
         let (query, rows) = (self.query, self.rows);
         let mut group = query.group::<R>();
-        let end = rows.first + rows.len();
-        let mut row = rows.first;
         let free = match (query.form, query.angle) {
             (ClosedForm::Srs(arm), ArmAngle::Free) => Some(arm),
             _ => None,
         };
-        while row < end {
-            let (used, bad) = query.load(&mut group, row, end);
-            let mut settled = 0;
+        let mut i = self.begin;
+        while i < self.end {
+            let (used, bad) = query.load(&mut group, rows.first + i, rows.first + self.end);
+            let mut proven = 0;
             if let Some(arm) = free {
-                settled = arm_angle::search(arm, &mut group, query.choice, used & !bad);
+                proven = arm_angle::search(arm, &mut group, query.choice, used & !bad);
             }
             group.solve();
             let mut valid = [0; BRANCHES];
@@ -324,14 +340,14 @@ impl Kernel for One<'_, '_> {
                     continue;
                 }
                 let branch = (best.found >> lane & 1 != 0).then(|| best.branch.lane(lane) as usize);
-                let i = row - rows.first + lane;
+                let row = i + lane;
                 if bad >> lane & 1 != 0 {
-                    group.stand_in(rows.finish(i, unfinished(Status::BadInput)));
+                    group.stand_in(rows.finish(row, unfinished(Status::BadInput)));
                 } else {
-                    answer(&group, lane, branch, settled >> lane & 1 != 0, rows, i);
+                    answer(&group, lane, branch, proven >> lane & 1 != 0, rows, row);
                 }
             }
-            row += R::WIDTH;
+            i += R::WIDTH;
         }
     }
 }

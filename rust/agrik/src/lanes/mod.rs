@@ -15,7 +15,7 @@ mod x86;
 pub use array::Pack;
 pub use dispatch::{Kernel, Level, VARIABLE, dispatch, dispatch_single};
 pub use trig::sin_cos_by_quadrant;
-pub(crate) use trig::{angle_over_sine, atan2};
+pub(crate) use trig::{angle_of, angle_over_sine, atan2};
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -47,6 +47,16 @@ pub trait Real:
     fn lane(&self, index: usize) -> f64;
     /// Replaces the number in lane `index` (below [`Real::WIDTH`]).
     fn set_lane(&mut self, index: usize, value: f64);
+
+    /// The first [`Real::WIDTH`] numbers of a slice, which holds at least as many.
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        let mut loaded = Self::splat(0.0);
+        for (lane, x) in from[..Self::WIDTH].iter().enumerate() {
+            loaded.set_lane(lane, *x);
+        }
+        loaded
+    }
 
     /// `self * a + b`, fused where the hardware level has it.
     fn mul_add(self, a: Self, b: Self) -> Self;

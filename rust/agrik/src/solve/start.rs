@@ -48,12 +48,17 @@ impl<'a> Sampler<'a> {
         Self { seed, first_index, postures, ranking }
     }
 
+    /// What alone decides the random numbers of an attempt at a target.
+    #[inline(always)]
+    pub fn key(&self, row: usize, attempt: u32) -> u64 {
+        let index = self.first_index.wrapping_add(row as u64);
+        mix(mix(mix(self.seed ^ 0x9e37_79b9_7f4a_7c15) ^ index) ^ u64::from(attempt))
+    }
+
     /// The start of attempt `attempt` at target `row`.
     #[inline(always)]
     pub fn sample(&self, row: usize, attempt: u32, goal: &Goal<f64>, q: &mut [f64]) {
-        let index = self.first_index.wrapping_add(row as u64);
-        let key = mix(mix(self.seed ^ 0x9e37_79b9_7f4a_7c15) ^ index) ^ u64::from(attempt);
-        let key = mix(key);
+        let key = self.key(row, attempt);
         if attempt % ANYWHERE == ANYWHERE - 1 {
             draw(&mut Xoshiro256PlusPlus::seed_from_u64(key), &self.postures.ranges, q);
             return;
