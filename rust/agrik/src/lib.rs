@@ -7,6 +7,7 @@
 
 pub mod batch;
 pub mod chain;
+pub mod closed_form;
 pub mod error;
 pub mod kinematics;
 pub mod lanes;

@@ -1,0 +1,3 @@
+//! Closed forms: arms whose geometry gives the joint values without iteration.
+
+pub mod strawberry;
