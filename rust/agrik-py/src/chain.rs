@@ -22,6 +22,11 @@ impl Chain {
         made.map(|chain| Self(Arc::new(chain))).map_err(|error| errors::from_core(py, error))
     }
 
+    /// The chain of the core.
+    pub fn core(&self) -> &chain::Chain {
+        &self.0
+    }
+
     fn of_variables(&self, pick: impl Fn(&chain::Variable) -> f64) -> Vec<f64> {
         self.0.variables().iter().map(pick).collect()
     }

@@ -9,9 +9,11 @@ mod ik;
 mod kinematics;
 mod result;
 mod solver;
+mod strawberry;
 mod targets;
 mod task;
 mod threads;
+mod tomato;
 
 use pyo3::prelude::*;
 
@@ -27,7 +29,11 @@ mod _native {
     #[pymodule_export]
     use solver::default_settings;
     #[pymodule_export]
+    use strawberry::StrawberryArm;
+    #[pymodule_export]
     use threads::{get_num_threads, set_num_threads, simd_level};
+    #[pymodule_export]
+    use tomato::{TomatoArm, ik_paced};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

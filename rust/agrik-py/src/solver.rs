@@ -39,7 +39,7 @@ pub fn settings(solver: Option<&Bound<'_, PyAny>>) -> PyResult<Settings> {
     let field = |name: &str| solver.getattr(name);
     let count = |name: &str| Ok::<_, PyErr>(whole(name, &field(name)?, 0, u32::MAX.into())? as u32);
     match &mut settings.step {
-        Step::Transpose => {}
+        Step::Transpose | Step::FixedTranspose { .. } => {}
         Step::PseudoInverse { cutoff } => *cutoff = real("cutoff", &field("cutoff")?)?,
         Step::Damped { damping } | Step::LevenbergMarquardt { damping } => {
             *damping = real("damping", &field("damping")?)?;
@@ -58,7 +58,7 @@ pub fn default_settings(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     for (name, settings) in KNOWN {
         let fields = PyDict::new(py);
         match settings.step {
-            Step::Transpose => {}
+            Step::Transpose | Step::FixedTranspose { .. } => {}
             Step::PseudoInverse { cutoff } => fields.set_item("cutoff", cutoff)?,
             Step::Damped { damping } | Step::LevenbergMarquardt { damping } => {
                 fields.set_item("damping", damping)?;

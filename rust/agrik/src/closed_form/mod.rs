@@ -1,3 +1,4 @@
 //! Closed forms: arms whose geometry gives the joint values without iteration.
 
 pub mod strawberry;
+pub mod tomato;

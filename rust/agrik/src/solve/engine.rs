@@ -5,7 +5,7 @@
 //! targets.
 
 use super::plan::{AnswersMut, Outcome, Plan, Status};
-use super::step::{Step, dot, squared_norm};
+use super::step::{Pace, Step, dot, squared_norm};
 use crate::chain::{JointKind, Variable};
 use crate::kinematics::{Workspace, columns, forward};
 use crate::lanes::Real;
@@ -139,7 +139,11 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             limits: variables.iter().map(Limit::of).collect(),
             has_continuous: variables.iter().any(|v| v.kind == JointKind::Continuous),
             cap: plan.settings.max_iterations,
-            patient_cap: plan.settings.max_iterations.saturating_mul(PATIENCE),
+            // A chosen pace asks for its steps to be counted as they are.
+            patient_cap: match plan.settings.pace {
+                Pace::Full => plan.settings.max_iterations.saturating_mul(PATIENCE),
+                _ => plan.settings.max_iterations,
+            },
             near2: (NEAR * plan.rotation_scale).powi(2),
             jobs: vec![job; R::WIDTH],
             q: vec![R::zero(); dof],
@@ -255,7 +259,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
                 *x = R::select(held, R::zero(), *x);
             }
         }
-        self.plan.settings.step.compute(&self.columns, &error.rows, &mut self.change);
+        self.plan.settings.change(&self.columns, &error.rows, &mut self.change);
         self.apply(moving)
     }
 
@@ -487,7 +491,7 @@ impl Step {
     /// The name by which users choose the step.
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Transpose => "transpose",
+            Self::Transpose | Self::FixedTranspose { .. } => "transpose",
             Self::PseudoInverse { .. } => "pinv",
             Self::Damped { .. } => "dls",
             Self::LevenbergMarquardt { .. } => "lm",

@@ -8,4 +8,4 @@ mod step;
 
 pub use engine::run;
 pub use plan::{Answers, AnswersMut, Goals, Plan, Starts, Status, Tolerance};
-pub use step::{Settings, Step};
+pub use step::{Pace, Settings, Step};

@@ -1,17 +1,26 @@
 //! Steps: from an error and a Jacobian to a change of the joint values.
 
 mod damped;
+mod pace;
 mod pseudo_inverse;
 mod transpose;
 
 use crate::error::{Error, Result};
 use crate::lanes::Real;
 
+pub use pace::Pace;
+
 /// How a step is computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Step {
     /// `alpha J^T e` with the length that minimises the linear error (Buss 2004).
     Transpose,
+    /// `alpha J^T e` with the same `alpha` everywhere; converges for `alpha` below 2 over
+    /// the largest eigenvalue of `J J^T`.
+    FixedTranspose {
+        /// Step length, rad or m per m^2 of the product.
+        alpha: f64,
+    },
     /// `J^+ e`, singular values below `cutoff` times the largest left out.
     PseudoInverse {
         /// Relative cutoff of singular values, in (0, 1).
@@ -41,6 +50,8 @@ pub struct Settings {
     pub max_restarts: u32,
     /// Longest change of one joint in one step, rad or m.
     pub max_step: f64,
+    /// The part of the error that one step is to remove.
+    pub pace: Pace,
 }
 
 impl Settings {
@@ -50,6 +61,7 @@ impl Settings {
         max_iterations: 10,
         max_restarts: 100,
         max_step: 1.0,
+        pace: Pace::Full,
     };
     /// Damped least squares.
     pub const DAMPED: Self = Self {
@@ -57,6 +69,7 @@ impl Settings {
         max_iterations: 60,
         max_restarts: 100,
         max_step: 1.0,
+        pace: Pace::Full,
     };
     /// Pseudo-inverse.
     pub const PSEUDO_INVERSE: Self = Self {
@@ -64,6 +77,7 @@ impl Settings {
         max_iterations: 60,
         max_restarts: 100,
         max_step: 1.0,
+        pace: Pace::Full,
     };
     /// Jacobian transpose.
     pub const TRANSPOSE: Self = Self {
@@ -71,12 +85,14 @@ impl Settings {
         max_iterations: 2000,
         max_restarts: 20,
         max_step: 1.0,
+        pace: Pace::Full,
     };
 
     /// Refuses numbers outside their ranges.
     pub fn check(&self) -> Result<()> {
         let (name, value, ok) = match self.step {
             Step::Transpose => ("step", 0.0, true),
+            Step::FixedTranspose { alpha } => ("alpha", alpha, alpha > 0.0 && alpha.is_finite()),
             Step::PseudoInverse { cutoff } => ("cutoff", cutoff, cutoff > 0.0 && cutoff < 1.0),
             Step::Damped { damping } | Step::LevenbergMarquardt { damping } => {
                 ("damping", damping, damping > 0.0 && damping.is_finite())
@@ -85,6 +101,7 @@ impl Settings {
         if !ok {
             return Err(Error::argument(name, "a number in its range (see the solver)", value));
         }
+        self.pace.check()?;
         if self.max_iterations == 0 {
             return Err(Error::argument("max_iterations", "at least 1", 0));
         }
@@ -101,11 +118,25 @@ impl Default for Settings {
     }
 }
 
+impl Settings {
+    /// The change of the joint values for the part of the error that is wanted.
+    #[inline(always)]
+    pub(super) fn change<R: Real, const M: usize>(
+        &self,
+        columns: &[[R; M]],
+        error: &[R; M],
+        change: &mut [R],
+    ) {
+        self.step.compute(columns, error, change);
+        self.pace.apply(error, change);
+    }
+}
+
 impl Step {
     /// The change of the joint values. Columns of joints that are held are zero; so is
     /// their change.
     #[inline(always)]
-    pub(super) fn compute<R: Real, const M: usize>(
+    fn compute<R: Real, const M: usize>(
         &self,
         columns: &[[R; M]],
         error: &[R; M],
@@ -113,6 +144,7 @@ impl Step {
     ) {
         match *self {
             Self::Transpose => transpose::step(columns, error, change),
+            Self::FixedTranspose { alpha } => transpose::fixed_step(columns, error, alpha, change),
             Self::PseudoInverse { cutoff } => pseudo_inverse::step(columns, error, cutoff, change),
             Self::Damped { damping } => {
                 damped::step(columns, error, R::splat(damping * damping), change);
