@@ -146,3 +146,22 @@ def info(
         from .info import describe, list_robots
 
         typer.echo(list_robots() if robot is None else describe(robot))
+
+
+@app.command()
+def paper(
+    name: Annotated[str, typer.Argument(help="strawberry or tomato.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
+    force: Annotated[
+        bool, typer.Option("--force", help="Write into a folder that holds files.")
+    ] = False,
+) -> None:
+    """Compute a paper's tables and figures anew and write them to a folder.
+
+    Published values, where there are any, stand beside ours. Needs the extra `papers`.
+    """
+    with _exit_codes():
+        from .paper import reproduce
+
+        for file in reproduce(name, output, force=force):
+            typer.echo(str(file))

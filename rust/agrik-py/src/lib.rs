@@ -29,7 +29,7 @@ mod _native {
     #[pymodule_export]
     use solver::default_settings;
     #[pymodule_export]
-    use strawberry::StrawberryArm;
+    use strawberry::{StrawberryArm, ik_record};
     #[pymodule_export]
     use threads::{get_num_threads, set_num_threads, simd_level};
     #[pymodule_export]

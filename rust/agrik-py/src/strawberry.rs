@@ -3,11 +3,12 @@
 use agrik::closed_form::strawberry::{
     Arm, Interval, Joints, Method, Parameters, Rules, SlopeCase, ThetaRule,
 };
+use agrik::solve::Answers;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{Floats, array, wrong_shape};
+use crate::convert::{Floats, array, shape_text, wrong_shape};
 use crate::errors;
 use crate::result::IkResult;
 
@@ -289,4 +290,34 @@ impl StrawberryArm {
         shape.push(3);
         array(py, &shape, shifts)
     }
+}
+
+/// The common record of answers that were found outside the core.
+#[pyfunction]
+pub fn ik_record(
+    q: &Bound<'_, PyAny>,
+    status: &Bound<'_, PyAny>,
+    position_error: &Bound<'_, PyAny>,
+) -> PyResult<IkResult> {
+    let py = q.py();
+    let q = Floats::new("q", q)?;
+    let errors = Floats::new("position_error", position_error)?;
+    let Some((dof, leading)) = q.shape().split_last() else {
+        return Err(wrong_shape(py, "q", q.shape(), "(..., n)"));
+    };
+    let status = Floats::of_shape("status", status, leading)?;
+    if errors.shape() != leading {
+        let expected = shape_text(leading);
+        return Err(wrong_shape(py, "position_error", errors.shape(), &expected));
+    }
+    let status: Vec<u8> = status.values()?.iter().map(|code| *code as u8).collect();
+    let answers = Answers {
+        q: q.values()?.to_vec(),
+        orientation_error: vec![0.0; status.len()],
+        iterations: vec![0; status.len()],
+        restarts: vec![0; status.len()],
+        position_error: errors.values()?.to_vec(),
+        status,
+    };
+    Ok(IkResult::new(leading.to_vec(), *dof, answers))
 }

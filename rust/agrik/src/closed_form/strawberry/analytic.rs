@@ -1,11 +1,12 @@
 //! AS and SSAS: beta and theta by the paper's rules.
 
 use super::sets::Window;
-use super::{Arm, Gap, Interval, Joints};
+use super::{Angle, Arm, Gap, Interval, Pose};
 use crate::error::{Error, Result};
 
-/// Rounds of SSAS between beta and theta; on all of table 3 the first one is the last.
-const ROUNDS: usize = 16;
+/// Rounds of SSAS between beta and theta where a slide's limit decides theta; on all of
+/// table 3 there are none.
+const ROUNDS: usize = 4;
 
 /// How theta is chosen from its set.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,13 +51,32 @@ impl Rules {
     }
 }
 
+/// Rules with the sines and cosines that all targets share.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PreparedRules {
+    s10_share: f64,
+    /// The step of [`ThetaRule::LeastMagnitude`]; `None` for the middle.
+    step: Option<Angle>,
+    /// Beta of least energy at the step.
+    beta: Angle,
+}
+
 impl Arm {
+    pub(super) fn prepare_rules(&self, rules: &Rules) -> PreparedRules {
+        let step = match rules.theta {
+            ThetaRule::LeastMagnitude { step } => Some(Angle::new(step)),
+            ThetaRule::Middle => None,
+        };
+        let beta = self.best_beta(&step.unwrap_or(Angle::new(0.0)));
+        PreparedRules { s10_share: rules.s10_share, step, beta }
+    }
+
     #[inline]
     pub(super) fn analytic(
         &self,
         target: [f64; 3],
-        rules: &Rules,
-    ) -> std::result::Result<Joints, Gap> {
+        rules: &PreparedRules,
+    ) -> std::result::Result<Pose, Gap> {
         let set = self.s10_set(target)?;
         let s10 = set.low + rules.s10_share * (set.high - set.low);
         let beta = self.beta_at(target, s10);
@@ -69,105 +89,116 @@ impl Arm {
         &self,
         target: [f64; 3],
         window: &Window,
-        beta: f64,
-        rules: &Rules,
-    ) -> std::result::Result<Joints, Gap> {
-        let r = self.reach(beta);
+        beta: Angle,
+        rules: &PreparedRules,
+    ) -> std::result::Result<Pose, Gap> {
+        let r = self.parameters.l2 + self.parameters.l3 * beta.cos;
         let gap = || self.theta_gap_at(target, window, r);
-        let theta = self.theta_by_rule(window, r, rules.theta).ok_or_else(gap)?;
-        self.held(self.slides(target, theta, beta)).ok_or_else(gap)
+        let theta = self.theta_by_rule(window, r, rules).ok_or_else(gap)?;
+        self.held(self.pose(target, theta, beta)).ok_or_else(gap)
     }
 
     #[inline]
-    fn theta_by_rule(&self, window: &Window, r: f64, rule: ThetaRule) -> Option<f64> {
+    fn theta_by_rule(&self, window: &Window, r: f64, rules: &PreparedRules) -> Option<Angle> {
         let p = &self.parameters;
-        match rule {
-            ThetaRule::LeastMagnitude { step } => {
-                let straight = window.u.holds(0.0)
-                    && window.w.holds(r)
-                    && p.lower[3] <= 0.0
-                    && p.upper[3] >= 0.0;
-                if straight {
-                    let (sin, cos) = step.sin_cos();
-                    // Most often both ends of the step are free and no set is needed.
-                    if window.u.holds(r * sin)
-                        && window.w.holds(r * cos)
-                        && p.lower[3] <= step
-                        && step <= p.upper[3]
-                    {
-                        return Some(step);
-                    }
-                    return Some(0.0);
-                }
-                self.theta_sets_of(window, r)
-                    .all
-                    .iter()
-                    .flatten()
-                    .map(|set| set.nearest(0.0))
-                    .min_by(|a, b| a.abs().total_cmp(&b.abs()))
-            }
-            ThetaRule::Middle => {
-                let width = |set: &&Interval| set.high - set.low;
-                let sets = self.theta_sets_of(window, r).all;
-                let widest = sets.iter().flatten().max_by(|a, b| width(a).total_cmp(&width(b)));
-                widest.map(|set| set.middle())
-            }
+        let joint = Interval::new(p.lower[3], p.upper[3]);
+        let fits = |theta: &Angle| {
+            window.u.holds(r * theta.sin) && window.w.holds(r * theta.cos) && joint.holds(theta.rad)
+        };
+        let Some(step) = &rules.step else { return self.middle_theta(window, r) };
+        let zero = Angle { rad: 0.0, sin: 0.0, cos: 1.0 };
+        // Most often 0 and the step are both in the set, which is then not needed.
+        if fits(&zero) {
+            return Some(if fits(step) { *step } else { zero });
         }
+        self.least_theta(window, r)
     }
 
-    /// Beta of least energy at a fixed theta, rad.
+    #[inline(never)]
+    fn least_theta(&self, window: &Window, r: f64) -> Option<Angle> {
+        let sets = self.theta_sets_of(window, r).all;
+        let nearest = sets.iter().flatten().map(|set| set.nearest(0.0));
+        nearest.min_by(|a, b| a.abs().total_cmp(&b.abs())).map(Angle::new)
+    }
+
+    #[inline(never)]
+    fn middle_theta(&self, window: &Window, r: f64) -> Option<Angle> {
+        let width = |set: &&Interval| set.high - set.low;
+        let sets = self.theta_sets_of(window, r).all;
+        let widest = sets.iter().flatten().max_by(|a, b| width(a).total_cmp(&width(b)));
+        widest.map(|set| Angle::new(set.middle()))
+    }
+
+    /// Beta of least energy at a fixed theta.
     #[inline]
-    fn best_beta(&self, theta: f64) -> f64 {
+    fn best_beta(&self, theta: &Angle) -> Angle {
         let e = &self.energy;
-        let (sin_t, cos_t) = theta.sin_cos();
-        e.p[1].atan2(e.q[1] * cos_t - e.p[1] * sin_t)
+        Angle::new(e.p[1].atan2(e.q[1] * theta.cos - e.p[1] * theta.sin))
     }
 
     #[inline]
     pub(super) fn suboptimal(
         &self,
         target: [f64; 3],
-        rules: &Rules,
-    ) -> std::result::Result<Joints, Gap> {
+        rules: &PreparedRules,
+    ) -> std::result::Result<Pose, Gap> {
         let set = self.s10_set(target)?;
-        // Beta falls as s10 grows.
-        let betas = Interval::new(self.beta_at(target, set.high), self.beta_at(target, set.low));
         let window = self.window(target);
-        let mut theta = match rules.theta {
-            ThetaRule::LeastMagnitude { step } => step,
-            ThetaRule::Middle => 0.0,
+        // Beta falls as s10 grows.
+        let [low, high] = [self.s10_beta(target, set.high), self.s10_beta(target, set.low)];
+        let clip = |beta: Angle| {
+            if beta.sin < low {
+                self.beta_at(target, set.high)
+            } else if beta.sin > high {
+                self.beta_at(target, set.low)
+            } else {
+                beta
+            }
         };
-        let mut beta = betas.nearest(self.best_beta(theta));
-        let mut best: Option<Joints> = None;
-        let mut settled = false;
-        for round in 0..ROUNDS {
-            let Ok(q) = self.with_beta(target, &window, beta, rules) else { break };
-            let better = best.is_none_or(|old| self.energy_index(&q) < self.energy_index(&old));
-            if better {
-                best = Some(q);
+        if let (Some(step), Ok(pose)) =
+            (&rules.step, self.with_beta(target, &window, clip(rules.beta), rules))
+            && pose.q[3] == step.rad
+        {
+            // The rule holds theta fixed over beta, so that this is the least of all.
+            return Ok(pose);
+        }
+        self.in_rounds(target, &window, &clip, rules)
+    }
+
+    /// Sine of beta at s10, not held to any limit.
+    #[inline]
+    fn s10_beta(&self, target: [f64; 3], s10: f64) -> f64 {
+        let p = &self.parameters;
+        (target[1] - s10 - p.l1 + p.d[1]) / p.l3
+    }
+
+    /// Theta follows a slide's limit: beta and theta in turn, the best pose of all rounds.
+    /// The rounds need not end at the best beta, or may leave no theta: the analytical
+    /// solution is a candidate too.
+    #[inline(never)]
+    fn in_rounds(
+        &self,
+        target: [f64; 3],
+        window: &Window,
+        clip: &impl Fn(Angle) -> Angle,
+        rules: &PreparedRules,
+    ) -> std::result::Result<Pose, Gap> {
+        let mut found = self.analytic(target, &PreparedRules { s10_share: 0.5, ..*rules });
+        let mut least = found.as_ref().map_or(f64::INFINITY, |pose| self.energy_of(pose));
+        let mut beta = clip(rules.beta);
+        for _ in 0..ROUNDS {
+            let Ok(pose) = self.with_beta(target, window, beta, rules) else { break };
+            let energy = self.energy_of(&pose);
+            if energy < least {
+                least = energy;
+                found = Ok(pose);
             }
-            // Theta, and with it the best beta, settle where the rule holds theta fixed.
-            if q[3] == theta {
-                // The rule holds theta fixed over beta, so that this is the least of all.
-                settled = round == 0;
-                break;
-            }
-            theta = q[3];
-            let next = betas.nearest(self.best_beta(theta));
-            if next == beta {
+            let next = clip(self.best_beta(&pose.theta));
+            if next.rad == beta.rad {
                 break;
             }
             beta = next;
         }
-        if settled {
-            return best.ok_or_else(Gap::bad_input);
-        }
-        // Where theta follows a slide's limit the rounds need not end at the best beta,
-        // or may leave no theta: the analytical solution is then a candidate too.
-        match (best, self.analytic(target, &Rules { s10_share: 0.5, ..*rules })) {
-            (Some(a), Ok(b)) if self.energy_index(&a) <= self.energy_index(&b) => Ok(a),
-            (Some(a), Err(_)) => Ok(a),
-            (_, analytic) => analytic,
-        }
+        found
     }
 }

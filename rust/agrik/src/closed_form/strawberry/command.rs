@@ -61,7 +61,7 @@ impl Arm {
         if !(-quarter..=quarter).contains(&psi) {
             return Err(Error::argument("psi", "an angle within a quarter turn", psi));
         }
-        if !q.iter().all(|x| x.is_finite()) || self.held(*q).is_none() {
+        if !q.iter().all(|x| x.is_finite()) || !self.within(q) {
             return Err(Error::argument("q", "joint values within the limits", format!("{q:?}")));
         }
         let waiting = (q[2] - h_extra).max(self.parameters.lower[2].min(q[2]));

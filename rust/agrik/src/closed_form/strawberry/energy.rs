@@ -1,6 +1,6 @@
 //! The energy index, its terms and its derivatives along s10.
 
-use super::{Arm, Joints, Parameters};
+use super::{Angle, Arm, Joints, Parameters, Pose};
 
 /// Constants of the index. With `r = l2 + l3 cos(beta)` and the target fixed,
 ///
@@ -49,21 +49,26 @@ pub enum SlopeCase {
 impl Arm {
     /// Energy index of joint values, J: friction of the slides from home, (22), less the
     /// potential energy that the arm loses on its way, (21) with its sign as in table 3.
-    #[inline]
     pub fn energy_index(&self, q: &Joints) -> f64 {
+        self.energy_of(&Pose { q: *q, theta: Angle::new(q[3]), beta: Angle::new(q[4]) })
+    }
+
+    #[inline]
+    pub(super) fn energy_of(&self, pose: &Pose) -> f64 {
         let home = &self.parameters.lower;
-        let e = &self.energy;
-        let (cos_t, cos_b) = (q[3].cos(), q[4].cos());
+        let (e, q) = (&self.energy, &pose.q);
+        let (cos_t, cos_b) = (pose.theta.cos, pose.beta.cos);
         let travel = (q[0] - home[0]) + (q[1] - home[1]) + (q[2] - home[2]);
         e.a * travel + e.m * (q[2] - home[2]) - e.t2 * (1.0 - cos_t) - e.t3 * (1.0 - cos_b * cos_t)
     }
 
     /// The part of the index that the choice of theta and beta decides, J.
     #[inline]
-    pub(super) fn choice(&self, trig: [f64; 4]) -> f64 {
+    pub(super) fn choice(&self, theta: &Angle, beta: &Angle) -> f64 {
         let e = &self.energy;
-        let [sin_t, cos_t, sin_b, cos_b] = trig;
-        (e.p[0] + e.p[1] * cos_b) * sin_t - (e.q[0] + e.q[1] * cos_b) * cos_t - e.p[1] * sin_b
+        (e.p[0] + e.p[1] * beta.cos) * theta.sin
+            - (e.q[0] + e.q[1] * beta.cos) * theta.cos
+            - e.p[1] * beta.sin
     }
 
     /// Derivative of beta by s10, (26) with l1 in place of the printed l2, rad/m.

@@ -63,18 +63,24 @@
 //! are checked for any other: EXACT refuses constants for which they fail.
 
 use super::sets::Window;
-use super::{Arm, Gap, Interval, Joints, SLIDE_TOLERANCE};
+use super::{Angle, Arm, Gap, Interval, Pose, SLIDE_TOLERANCE};
 use crate::error::{Error, Result};
 
 /// Theta and beta of least energy where no slide limits them, and the slides' offsets.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct FreePose {
     /// Pitch, rad.
     pub theta: f64,
     /// Roll, rad.
     pub beta: f64,
-    /// `q - (y, x, -z)` of the three slides, m.
-    offset: [f64; 3],
+    /// The pose for a target at the origin.
+    at_origin: Pose,
+}
+
+impl PartialEq for FreePose {
+    fn eq(&self, other: &Self) -> bool {
+        (self.theta, self.beta) == (other.theta, other.beta)
+    }
 }
 
 /// The best point so far.
@@ -123,8 +129,8 @@ impl Arm {
         }
         let inside = Interval::new(p.lower[3], p.upper[3]).holds(theta)
             && Interval::new(p.lower[4], p.upper[4]).holds(beta);
-        let q = self.slides([0.0; 3], theta, beta);
-        inside.then_some(FreePose { theta, beta, offset: [q[0], q[1], q[2]] })
+        let at_origin = self.pose([0.0; 3], Angle::new(theta), Angle::new(beta));
+        inside.then_some(FreePose { theta, beta, at_origin })
     }
 
     /// Theta of least energy at a beta, rad.
@@ -135,19 +141,16 @@ impl Arm {
     }
 
     #[inline]
-    pub(super) fn exact(&self, target: [f64; 3]) -> std::result::Result<Joints, Gap> {
+    pub(super) fn exact(&self, target: [f64; 3]) -> std::result::Result<Pose, Gap> {
         if let Some(free) = &self.free {
             let p = &self.parameters;
-            let q = [
-                target[1] + free.offset[0],
-                target[0] + free.offset[1],
-                free.offset[2] - target[2],
-                free.theta,
-                free.beta,
-            ];
-            let inside = |i: usize| p.lower[i] <= q[i] && q[i] <= p.upper[i];
+            let mut pose = free.at_origin;
+            pose.q[0] += target[1];
+            pose.q[1] += target[0];
+            pose.q[2] -= target[2];
+            let inside = |i: usize| (p.lower[i] <= pose.q[i]) & (pose.q[i] <= p.upper[i]);
             if inside(0) & inside(1) & inside(2) {
-                return Ok(q);
+                return Ok(pose);
             }
         }
         self.constrained(target)
@@ -155,18 +158,19 @@ impl Arm {
 
     /// The least of all curves, or the proof that there is none.
     #[inline(never)]
-    fn constrained(&self, target: [f64; 3]) -> std::result::Result<Joints, Gap> {
+    fn constrained(&self, target: [f64; 3]) -> std::result::Result<Pose, Gap> {
         let set = self.s10_set(target)?;
         let window = self.window(target);
-        let betas = Interval::new(self.beta_at(target, set.high), self.beta_at(target, set.low));
+        let at = |s10: f64| self.beta_at(target, s10).rad;
+        let betas = Interval::new(at(set.high), at(set.low));
         let mut best = Best { value: f64::INFINITY, theta: 0.0, beta: 0.0 };
         self.along_beta(&window, betas, &mut best);
         self.along_theta(&window, betas, &mut best);
         self.along_s21(&window, betas, &mut best);
         self.along_s32(&window, betas, &mut best);
         let found = best.value.is_finite();
-        let q = self.slides(target, best.theta, best.beta);
-        found.then_some(q).and_then(|q| self.held(q)).ok_or_else(|| {
+        let pose = self.pose(target, Angle::new(best.theta), Angle::new(best.beta));
+        found.then_some(pose).and_then(|pose| self.held(pose)).ok_or_else(|| {
             let near = 0.0f64.clamp(betas.low, betas.high);
             let short = self.reach(betas.low).min(self.reach(betas.high));
             let reaches = Interval::new(short, self.reach(near));
@@ -176,9 +180,7 @@ impl Arm {
 
     #[inline]
     fn consider(&self, best: &mut Best, theta: f64, beta: f64) {
-        let (sin_t, cos_t) = theta.sin_cos();
-        let (sin_b, cos_b) = beta.sin_cos();
-        let value = self.choice([sin_t, cos_t, sin_b, cos_b]);
+        let value = self.choice(&Angle::new(theta), &Angle::new(beta));
         if value < best.value {
             *best = Best { value, theta, beta };
         }

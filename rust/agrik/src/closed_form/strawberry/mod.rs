@@ -24,7 +24,9 @@ pub use exact::FreePose;
 pub use sets::{Gap, Interval, Place, ThetaSets};
 
 use crate::error::{Error, Result};
+use crate::lanes::{Real, angle_over_sine};
 use crate::solve::{Answers, Status};
+use analytic::PreparedRules;
 
 /// How far a slide may be past its limit before that counts, m: the rounding of the
 /// formulas. Answers are put back on the limit.
@@ -76,6 +78,37 @@ impl Default for Parameters {
     }
 }
 
+/// An angle with its sine and cosine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Angle {
+    rad: f64,
+    sin: f64,
+    cos: f64,
+}
+
+impl Angle {
+    #[inline]
+    fn new(rad: f64) -> Self {
+        let (sin, cos) = Real::sin_cos(rad);
+        Self { rad, sin, cos }
+    }
+
+    /// The angle within a quarter turn that has this sine.
+    #[inline]
+    fn of_sine(sin: f64) -> Self {
+        let cos = ((1.0 - sin) * (1.0 + sin)).max(0.0).sqrt();
+        Self { rad: sin * angle_over_sine(cos), sin, cos }
+    }
+}
+
+/// Joint values that reach a target, with the sines and cosines they were made from.
+#[derive(Debug, Clone, Copy)]
+struct Pose {
+    q: Joints,
+    theta: Angle,
+    beta: Angle,
+}
+
 /// Which of the three ways to choose theta and beta.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
@@ -84,6 +117,13 @@ pub enum Method {
     /// Suboptimal semi-analytical solution: least energy over s10, theta by rule.
     Suboptimal(Rules),
     /// Least energy of all.
+    Exact,
+}
+
+/// A method with what its targets share worked out.
+enum Prepared {
+    Analytic(PreparedRules),
+    Suboptimal(PreparedRules),
     Exact,
 }
 
@@ -105,7 +145,8 @@ pub struct Solutions {
 pub struct Arm {
     parameters: Parameters,
     energy: energy::Terms,
-    /// `l3 sin(beta)` at the limits.
+    /// Beta at its limits, and `l3 sin(beta)` there.
+    ends: [Angle; 2],
     rise: [f64; 2],
     free: Option<FreePose>,
 }
@@ -150,8 +191,9 @@ impl Arm {
             }
         }
         let energy = energy::Terms::new(p);
-        let rise = [p.l3 * p.lower[4].sin(), p.l3 * p.upper[4].sin()];
-        let mut arm = Self { parameters, energy, rise, free: None };
+        let ends = [Angle::new(p.lower[4]), Angle::new(p.upper[4])];
+        let rise = [p.l3 * ends[0].sin, p.l3 * ends[1].sin];
+        let mut arm = Self { parameters, energy, ends, rise, free: None };
         arm.free = arm.free_pose();
         Ok(arm)
     }
@@ -183,58 +225,83 @@ impl Arm {
     /// The tool point, m.
     #[inline]
     pub fn fk(&self, q: &Joints) -> [f64; 3] {
+        self.fk_of(q, &Angle::new(q[3]), &Angle::new(q[4]))
+    }
+
+    #[inline]
+    fn fk_of(&self, q: &Joints, theta: &Angle, beta: &Angle) -> [f64; 3] {
         let p = &self.parameters;
-        let (sin_t, cos_t) = q[3].sin_cos();
-        let (sin_b, cos_b) = q[4].sin_cos();
-        let r = p.l2 + p.l3 * cos_b;
-        [q[1] + p.d[0] - r * sin_t, q[0] + p.l1 - p.d[1] + p.l3 * sin_b, -q[2] + p.d[2] - r * cos_t]
+        let r = p.l2 + p.l3 * beta.cos;
+        [
+            q[1] + p.d[0] - r * theta.sin,
+            q[0] + p.l1 - p.d[1] + p.l3 * beta.sin,
+            -q[2] + p.d[2] - r * theta.cos,
+        ]
     }
 
     /// The joint values that reach a target with given theta and beta, limits aside.
-    #[inline]
     pub fn slides(&self, target: [f64; 3], theta: f64, beta: f64) -> Joints {
-        let (sin_t, cos_t) = theta.sin_cos();
-        let (sin_b, cos_b) = beta.sin_cos();
-        self.slides_of(target, theta, beta, [sin_t, cos_t, sin_b, cos_b])
+        self.pose(target, Angle::new(theta), Angle::new(beta)).q
     }
 
-    /// [`Arm::slides`] with sines and cosines at hand.
     #[inline]
-    fn slides_of(&self, target: [f64; 3], theta: f64, beta: f64, trig: [f64; 4]) -> Joints {
+    fn pose(&self, target: [f64; 3], theta: Angle, beta: Angle) -> Pose {
         let p = &self.parameters;
-        let r = p.l2 + p.l3 * trig[3];
-        [
-            target[1] - p.l1 + p.d[1] - p.l3 * trig[2],
-            target[0] - p.d[0] + r * trig[0],
-            -target[2] + p.d[2] - r * trig[1],
-            theta,
-            beta,
-        ]
+        let r = p.l2 + p.l3 * beta.cos;
+        let q = [
+            target[1] - p.l1 + p.d[1] - p.l3 * beta.sin,
+            target[0] - p.d[0] + r * theta.sin,
+            -target[2] + p.d[2] - r * theta.cos,
+            theta.rad,
+            beta.rad,
+        ];
+        Pose { q, theta, beta }
     }
 
     /// Puts joint values that are past a limit by rounding back on it; `None` where one
     /// is farther off.
     #[inline]
-    fn held(&self, mut q: Joints) -> Option<Joints> {
+    fn held(&self, mut pose: Pose) -> Option<Pose> {
         let p = &self.parameters;
         let mut inside = true;
-        for (i, x) in q.iter_mut().enumerate() {
+        for (i, x) in pose.q.iter_mut().enumerate() {
             inside &= *x >= p.lower[i] - SLIDE_TOLERANCE && *x <= p.upper[i] + SLIDE_TOLERANCE;
             *x = x.max(p.lower[i]).min(p.upper[i]);
         }
-        inside.then_some(q)
+        inside.then_some(pose)
+    }
+
+    fn within(&self, q: &Joints) -> bool {
+        let p = &self.parameters;
+        (0..5).all(|i| p.lower[i] <= q[i] && q[i] <= p.upper[i])
     }
 
     /// Joint values for one target, or what lies in the way.
-    #[inline]
     pub fn solve(&self, target: [f64; 3], method: &Method) -> std::result::Result<Joints, Gap> {
+        self.solve_prepared(target, &self.prepare(method)).map(|pose| pose.q)
+    }
+
+    fn prepare(&self, method: &Method) -> Prepared {
+        match method {
+            Method::Analytic(rules) => Prepared::Analytic(self.prepare_rules(rules)),
+            Method::Suboptimal(rules) => Prepared::Suboptimal(self.prepare_rules(rules)),
+            Method::Exact => Prepared::Exact,
+        }
+    }
+
+    #[inline(always)]
+    fn solve_prepared(
+        &self,
+        target: [f64; 3],
+        method: &Prepared,
+    ) -> std::result::Result<Pose, Gap> {
         if !target.iter().all(|x| x.is_finite()) {
             return Err(Gap::bad_input());
         }
         match method {
-            Method::Analytic(rules) => self.analytic(target, rules),
-            Method::Suboptimal(rules) => self.suboptimal(target, rules),
-            Method::Exact => self.exact(target),
+            Prepared::Analytic(rules) => self.analytic(target, rules),
+            Prepared::Suboptimal(rules) => self.suboptimal(target, rules),
+            Prepared::Exact => self.exact(target),
         }
     }
 
@@ -251,14 +318,15 @@ impl Arm {
             place: vec![Place::Reached as u8; rows],
             gap: vec![0.0; rows],
         };
+        let method = self.prepare(method);
         let (joints, _) = out.answers.q.as_chunks_mut::<5>();
         for (i, (target, q)) in targets.iter().zip(joints).enumerate() {
-            match self.solve(*target, method) {
+            match self.solve_prepared(*target, &method) {
                 Ok(found) => {
-                    *q = found;
-                    out.energy[i] = self.energy_index(&found);
+                    *q = found.q;
+                    out.energy[i] = self.energy_of(&found);
                     // The check that `success` promises: against the target itself.
-                    let at = self.fk(&found);
+                    let at = self.fk_of(&found.q, &found.theta, &found.beta);
                     let off: f64 = at.iter().zip(target).map(|(a, b)| (a - b) * (a - b)).sum();
                     out.answers.position_error[i] = off.sqrt();
                     out.answers.orientation_error[i] = 0.0;

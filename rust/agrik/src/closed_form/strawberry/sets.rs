@@ -1,7 +1,7 @@
 //! What a target leaves open: the box, the set of s10, the set of theta, and why a set
 //! is empty.
 
-use super::{Arm, SLIDE_TOLERANCE};
+use super::{Angle, Arm, SLIDE_TOLERANCE};
 use crate::solve::Status;
 
 /// A closed interval.
@@ -157,10 +157,17 @@ impl Arm {
 
     /// Beta that belongs to s10, (13), rad.
     #[inline]
-    pub(super) fn beta_at(&self, target: [f64; 3], s10: f64) -> f64 {
+    pub(super) fn beta_at(&self, target: [f64; 3], s10: f64) -> Angle {
         let p = &self.parameters;
         let sine = (target[1] - s10 - p.l1 + p.d[1]) / p.l3;
-        sine.clamp(-1.0, 1.0).asin().max(p.lower[4]).min(p.upper[4])
+        let [low, high] = self.ends;
+        if sine <= low.sin {
+            low
+        } else if sine >= high.sin {
+            high
+        } else {
+            Angle::of_sine(sine)
+        }
     }
 
     #[inline]

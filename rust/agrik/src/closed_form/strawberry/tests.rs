@@ -39,7 +39,7 @@ fn by_grid(arm: &Arm, target: [f64; 3]) -> Option<f64> {
                 let beta = b[0] + steps[1] * f64::from(k);
                 let q = arm.slides(target, theta, beta);
                 // Strictly: a slide a hair past its limit buys some energy at a corner.
-                if (0..3).any(|j| q[j] < p.lower[j] || q[j] > p.upper[j]) {
+                if !arm.within(&q) {
                     continue;
                 }
                 let energy = arm.energy_index(&q);
@@ -77,7 +77,9 @@ fn exact_is_never_worse_than_a_grid_and_misses_nothing() {
         let mut constrained = 0;
         for _ in 0..300 {
             let target = reachable(&arm, &mut state);
-            let q = arm.exact(target).expect("made from joint values within the limits");
+            let q = arm
+                .solve(target, &Method::Exact)
+                .expect("made from joint values within the limits");
             let back = arm.fk(&q);
             for i in 0..3 {
                 assert!((back[i] - target[i]).abs() < 1e-11);
@@ -107,7 +109,7 @@ fn nothing_is_reported_out_of_reach_that_a_grid_reaches() {
             let margin = 0.03;
             low[i] - margin + random(&mut state) * (high[i] - low[i] + 2.0 * margin)
         });
-        match arm.exact(target) {
+        match arm.solve(target, &Method::Exact) {
             Ok(_) => solved += 1,
             Err(gap) => {
                 refused += 1;
@@ -118,7 +120,7 @@ fn nothing_is_reported_out_of_reach_that_a_grid_reaches() {
                     for k in 0..=80 {
                         let theta = p.lower[3] + (p.upper[3] - p.lower[3]) * f64::from(i) / 150.0;
                         let beta = p.lower[4] + (p.upper[4] - p.lower[4]) * f64::from(k) / 80.0;
-                        assert!(arm.held(arm.slides(target, theta, beta)).is_none());
+                        assert!(!arm.within(&arm.slides(target, theta, beta)));
                     }
                 }
             }
@@ -135,13 +137,18 @@ fn methods_are_ordered_and_reach() {
     let mut solved = [0; 3];
     for _ in 0..2000 {
         let target = reachable(&arm, &mut state);
-        let exact = arm.energy_index(&arm.exact(target).unwrap());
+        let exact = arm.energy_index(&arm.solve(target, &Method::Exact).unwrap());
         solved[0] += 1;
-        let suboptimal = arm.suboptimal(target, &rules).map(|q| arm.energy_index(&q));
-        let analytic = arm.analytic(target, &rules).map(|q| arm.energy_index(&q));
+        let suboptimal =
+            arm.solve(target, &Method::Suboptimal(rules)).map(|q| arm.energy_index(&q));
+        let analytic = arm.solve(target, &Method::Analytic(rules)).map(|q| arm.energy_index(&q));
         if let Ok(energy) = suboptimal {
             solved[1] += 1;
-            let found = (arm.exact(target), arm.suboptimal(target, &rules), target);
+            let found = (
+                arm.solve(target, &Method::Exact),
+                arm.solve(target, &Method::Suboptimal(rules)),
+                target,
+            );
             assert!(exact <= energy + CORNER, "{exact} {energy} {found:?}");
             if let Ok(analytic) = analytic {
                 assert!(energy <= analytic + 1e-12, "{energy} {analytic}");
@@ -149,7 +156,11 @@ fn methods_are_ordered_and_reach() {
         }
         if let Ok(energy) = analytic {
             solved[2] += 1;
-            let found = (arm.exact(target), arm.suboptimal(target, &rules), target);
+            let found = (
+                arm.solve(target, &Method::Exact),
+                arm.solve(target, &Method::Suboptimal(rules)),
+                target,
+            );
             assert!(exact <= energy + CORNER, "{exact} {energy} {found:?}");
         }
     }
@@ -236,7 +247,7 @@ fn gaps_name_the_slide_and_the_travel() {
     ];
     assert_eq!(p.lower[4], 0.0);
     for (target, place, amount) in cases {
-        let gap = arm.exact(target).unwrap_err();
+        let gap = arm.solve(target, &Method::Exact).unwrap_err();
         assert_eq!((gap.place, gap.status), (place, Status::OutOfReach));
         assert!((gap.amount - amount).abs() < 1e-12, "{gap:?}");
     }
@@ -246,7 +257,7 @@ fn gaps_name_the_slide_and_the_travel() {
 #[test]
 fn commands_wait_above_the_plant() {
     let arm = arm();
-    let q = arm.exact([0.426, 0.345, -0.3316]).unwrap();
+    let q = arm.solve([0.426, 0.345, -0.3316], &Method::Exact).unwrap();
     let steps = arm.commands(&q, 0.0, 0.05).unwrap();
     // The remark's s32 + h_extra would be 50 mm deeper than the target.
     assert!((steps[1].target - (q[2] - 0.05)).abs() < 1e-15);

@@ -1,0 +1,33 @@
+"""What ``agrik-fast paper`` does: find the paper's module and let it write its files."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+
+from ..errors import ArgumentError, UnknownNameError
+from ..papers import PAPERS
+
+
+def reproduce(name: str, directory: Path, *, force: bool) -> list[Path]:
+    """Write the tables and figures of a paper into a folder and return the files.
+
+    Raises
+    ------
+    UnknownNameError
+        No such paper.
+    ArgumentError
+        The folder holds files and `force` is False.
+    """
+    if name not in PAPERS:
+        raise UnknownNameError("paper", name, PAPERS)
+    if directory.exists() and not directory.is_dir():
+        raise ArgumentError("output", f"the file {directory}", "a folder")
+    if directory.is_dir() and any(directory.iterdir()) and not force:
+        raise ArgumentError(
+            "output", f"{directory}, which holds files", "an empty or new folder (or --force)"
+        )
+    module = importlib.import_module(f"..papers.{name}", __package__)
+    directory.mkdir(parents=True, exist_ok=True)
+    files: list[Path] = module.reproduce(directory)
+    return files

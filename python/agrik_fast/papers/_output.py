@@ -1,0 +1,61 @@
+"""Files of a reproduced paper: tables as CSV, figures as PNG and SVG."""
+
+from __future__ import annotations
+
+import csv
+import time
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import AgrikError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PNG_DPI = 130
+
+
+def figure(width: float, height: float) -> Figure:
+    """Return an empty figure (inches) that belongs to no window."""
+    try:
+        import matplotlib as mpl
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise AgrikError("figures need Matplotlib; install the extra: agrik_fast[papers]") from None
+    # The same drawing has the same bytes, whoever makes it.
+    mpl.rcParams["svg.hashsalt"] = "agrik_fast"
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def save(drawing: Figure, directory: Path, name: str) -> list[Path]:
+    """Write a figure as PNG and SVG and return the files."""
+    png, svg = directory / f"{name}.png", directory / f"{name}.svg"
+    drawing.savefig(png, dpi=PNG_DPI, metadata={"Software": None})
+    drawing.savefig(svg, metadata={"Date": None})
+    return [png, svg]
+
+
+def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> Path:
+    """Write a table; floats as they come."""
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(rows)
+    return path
+
+
+def write_text(path: Path, lines: Iterable[str]) -> Path:
+    """Write lines of text."""
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def best_seconds(work: Callable[[], object], repeats: int = 5) -> float:
+    """Return the least of several times of a call, s."""
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - start)
+    return min(times)
