@@ -50,6 +50,7 @@ HOME = (math.pi / 3, -math.pi / 2, 0.0)
 _SINGULAR = 1e-9
 _STALLED = 1e-9
 
+
 class TransposeStepWarning(UserWarning):
     """A fixed transpose step is above its stability bound for some targets."""
 

@@ -44,15 +44,12 @@ def figure2(directory: Path) -> list[Path]:
 
 def joint_points(arm: StrawberryArm, q: FloatArray) -> FloatArray:
     """Return pitch axis, roll axis and tool point, shape (3, 3), m."""
-    p = arm.parameters
-    l2 = float(np.asarray(p["l2"]))
+    l2, l3 = (float(np.asarray(arm.parameters[name])) for name in ("l2", "l3"))
+    theta, beta = q[3:]
+    down = np.array([-np.sin(theta), 0.0, -np.cos(theta)])
     tip = arm.fk(q)
-    theta = float(q[3])
-    r = l2 + float(np.asarray(p["l3"])) * np.cos(q[4])
-    pitch = tip + [r * np.sin(theta), 0.0, r * np.cos(theta)]
-    pitch[1] = tip[1] - float(np.asarray(p["l3"])) * np.sin(q[4])
-    roll = pitch + [-l2 * np.sin(theta), 0.0, -l2 * np.cos(theta)]
-    return np.array([pitch, roll, tip])
+    roll = tip - l3 * (np.cos(beta) * down + np.array([0.0, np.sin(beta), 0.0]))
+    return np.array([roll - l2 * down, roll, tip])
 
 
 def draw_pose(axes: Any, arm: StrawberryArm, q: FloatArray, target: FloatArray) -> None:

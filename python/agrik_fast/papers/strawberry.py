@@ -238,12 +238,11 @@ def _write_tables(directory: Path, arm: StrawberryArm) -> list[Path]:
         for c in cells
     ]
     runs = experiments()
-    steps = [
-        (run.row, run.quadrant, run.column, f"{run.seconds:.3f}")
-        + tuple(f"{step.axis}={step.target:.5f}" for step in run.steps)
-        for run in runs
-    ]
-    report = match_report(cells, times) + ["", *experiment_report(runs)]
+    steps = []
+    for run in runs:
+        shown = [f"{step.axis}={step.target:.5f}" for step in run.steps]
+        steps.append((run.row, run.quadrant, run.column, f"{run.seconds:.3f}", *shown))
+    report = [*match_report(cells, times), "", *experiment_report(runs)]
     return [
         write_csv(directory / "table3.csv", header, lines),
         write_csv(
@@ -293,8 +292,13 @@ def reproduce(directory: Path) -> list[Path]:
     arm = StrawberryArm()
     files = _write_tables(directory, arm)
     files += figures.figure2(directory)
-    for number, method in ((4, "as"), (5, "ssas"), (6, "ncos")):
-        files += figures.pose(directory, f"figure{number}", FIGURE_TARGET, method, arm)
-    files += figures.pose(directory, "exact", FIGURE_TARGET, "exact", arm)
+    poses: dict[str, Column] = {
+        "figure4": "as",
+        "figure5": "ssas",
+        "figure6": "ncos",
+        "exact": "exact",
+    }
+    for name, method in poses.items():
+        files += figures.pose(directory, name, FIGURE_TARGET, method, arm)
     files += figures.table4(directory, arm)
     return files
