@@ -77,8 +77,8 @@ class StrawberryResult(Record):
         Codes of `Place`: what lies in the way.
     gap : ndarray, shape (...)
         Travel that the slide lacks, m, positive past its upper limit and negative past
-        its lower one; for ``Place.THETA`` the distance between the sets, rad. 0 where
-        the target is reached.
+        its lower one; for ``Place.THETA`` the distance in x and z that slides s21 and s32
+        lack together. 0 where the target is reached.
     """
 
     energy: NDArray[np.float64]

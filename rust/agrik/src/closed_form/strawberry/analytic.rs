@@ -155,14 +155,19 @@ impl Arm {
                 beta
             }
         };
+        let analytic = self.analytic(target, &PreparedRules { s10_share: 0.5, ..*rules });
         if let (Some(step), Ok(pose)) =
             (&rules.step, self.with_beta(target, &window, clip(rules.beta), rules))
             && pose.q[3] == step.rad
         {
-            // The rule holds theta fixed over beta, so that this is the least of all.
-            return Ok(pose);
+            // Of all poses with theta at the step this is the least; where the step does
+            // not fit, another theta may need less.
+            return Ok(match analytic {
+                Ok(other) if self.energy_of(&other) < self.energy_of(&pose) => other,
+                _ => pose,
+            });
         }
-        self.in_rounds(target, &window, &clip, rules)
+        self.in_rounds(target, &window, &clip, rules, analytic)
     }
 
     /// Sine of beta at s10, not held to any limit.
@@ -173,8 +178,8 @@ impl Arm {
     }
 
     /// Theta follows a slide's limit: beta and theta in turn, the best pose of all rounds.
-    /// The rounds need not end at the best beta, or may leave no theta: the analytical
-    /// solution is a candidate too.
+    /// The rounds need not end at the best beta, or may leave no theta: `found`, the
+    /// analytical solution, is a candidate too.
     #[inline(never)]
     fn in_rounds(
         &self,
@@ -182,8 +187,8 @@ impl Arm {
         window: &Window,
         clip: &impl Fn(Angle) -> Angle,
         rules: &PreparedRules,
+        mut found: std::result::Result<Pose, Gap>,
     ) -> std::result::Result<Pose, Gap> {
-        let mut found = self.analytic(target, &PreparedRules { s10_share: 0.5, ..*rules });
         let mut least = found.as_ref().map_or(f64::INFINITY, |pose| self.energy_of(pose));
         let mut beta = clip(rules.beta);
         for _ in 0..ROUNDS {

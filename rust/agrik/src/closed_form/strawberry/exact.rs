@@ -174,7 +174,7 @@ impl Arm {
             let near = 0.0f64.clamp(betas.low, betas.high);
             let short = self.reach(betas.low).min(self.reach(betas.high));
             let reaches = Interval::new(short, self.reach(near));
-            self.theta_gap(&window, reaches, self.reach(betas.middle()))
+            self.theta_gap(&window, reaches)
         })
     }
 

@@ -136,7 +136,7 @@ pub struct Solutions {
     pub energy: Vec<f64>,
     /// Codes of [`Place`]: what lies in the way.
     pub place: Vec<u8>,
-    /// By how much it does, m for slides and rad for theta; 0 where reached.
+    /// By how much it does, m; 0 where reached.
     pub gap: Vec<f64>,
 }
 

@@ -49,11 +49,6 @@ impl Interval {
     pub fn holds(self, x: f64) -> bool {
         self.low <= x && x <= self.high
     }
-
-    /// Distance between two intervals, 0 where they meet.
-    fn apart(self, other: Self) -> f64 {
-        (other.low - self.high).max(self.low - other.high).max(0.0)
-    }
 }
 
 /// What lies in the way of a target.
@@ -80,7 +75,8 @@ pub struct Gap {
     /// What lies in the way.
     pub place: Place,
     /// Travel that the slide lacks, m: positive past its upper limit, negative past its
-    /// lower one. For [`Place::Theta`] the distance between the two sets, rad.
+    /// lower one. For [`Place::Theta`] the distance in x and z that both slides lack
+    /// together.
     pub amount: f64,
     /// [`Status::OutOfReach`] where no joint values reach the target,
     /// [`Status::NotFound`] where the method's choice of beta does not.
@@ -206,8 +202,8 @@ impl Arm {
     }
 
     /// Why no theta is left at reaches from `r.low` to `r.high`: the slide that lacks
-    /// travel, or else the distance between the sets of theta at reach `at`.
-    pub(super) fn theta_gap(&self, window: &Window, r: Interval, at: f64) -> Gap {
+    /// travel, or else the distance that both lack together.
+    pub(super) fn theta_gap(&self, window: &Window, r: Interval) -> Gap {
         let p = &self.parameters;
         let (sin_low, sin_high) = (p.lower[3].sin(), p.upper[3].sin());
         let (u, w) = (window.u, window.w);
@@ -227,17 +223,12 @@ impl Arm {
         if highest > w.high + SLIDE_TOLERANCE {
             return Gap::of(Place::S32, w.high - highest);
         }
-        let sets = self.theta_sets_of(window, at);
-        let joint = Interval::new(p.lower[3], p.upper[3]);
-        let part = sets.s21.and_then(|s| s.common(joint, f64::INFINITY)).unwrap_or(joint);
-        let apart = sets.s32.iter().flatten().map(|s| s.apart(part)).fold(f64::INFINITY, f64::min);
-        // At this reach there may be no angle at all on one side.
-        Gap::of(Place::Theta, if apart.is_finite() { apart } else { std::f64::consts::PI })
+        Gap::of(Place::Theta, self.window_distance(window, r))
     }
 
     /// The same at the one reach that a method chose, where others may do.
     pub(super) fn theta_gap_at(&self, target: [f64; 3], window: &Window, r: f64) -> Gap {
-        let mut gap = self.theta_gap(window, Interval::new(r, r), r);
+        let mut gap = self.theta_gap(window, Interval::new(r, r));
         let [low, high] = self.target_box();
         let outside = (0..3)
             .any(|i| target[i] < low[i] - SLIDE_TOLERANCE || target[i] > high[i] + SLIDE_TOLERANCE);

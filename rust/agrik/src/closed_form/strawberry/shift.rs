@@ -67,6 +67,28 @@ impl Arm {
         (length.is_finite()).then(|| shift.map(|v| v * (1.0 + MARGIN / length.max(MARGIN))))
     }
 
+    /// Distance in x and z of the slides' window from the points that the arm reaches with
+    /// a reach in an interval, m: of 17 reaches the best, refined.
+    pub(super) fn window_distance(&self, window: &Window, r: Interval) -> f64 {
+        let mut least = f64::INFINITY;
+        let mut keep = |r: f64| {
+            let length =
+                self.arc_gap(window, r, [true; 3]).map_or(f64::INFINITY, |g| g[0].hypot(g[1]));
+            least = least.min(length);
+            length
+        };
+        if r.low == r.high {
+            keep(r.low);
+            return least;
+        }
+        let step = (r.high - r.low) / 16.0;
+        let at = |i: usize| r.nearest(r.low + step * i as f64);
+        let values: [f64; 17] = std::array::from_fn(|i| keep(at(i)));
+        let best = (0..17).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
+        golden(Interval::new(at(best.saturating_sub(1)), at((best + 1).min(16))), &mut keep);
+        least
+    }
+
     /// What x and z lack at a reach, as the translation (x, z) of the platform of least
     /// length; `None` where that needs an axis that may not move.
     ///
