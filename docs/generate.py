@@ -1,5 +1,6 @@
 """Make the parts of the documentation that come from the robots: one picture, one table each."""
 
+import importlib
 import math
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import matplotlib as mpl
 import numpy as np
 
 import agrik_fast as ik
+from agrik_fast.papers import PAPERS
 
 mpl.use("Agg")
 # The same drawing has the same bytes, whoever makes it.
@@ -55,5 +57,9 @@ def main(folder: Path) -> None:
     """Write everything into `folder`."""
     folder.mkdir(exist_ok=True)
     draw_reach(folder / "reach.svg")
+    for name in PAPERS:
+        paper = folder / "papers" / name
+        paper.mkdir(parents=True, exist_ok=True)
+        importlib.import_module(f"agrik_fast.papers.{name}").reproduce(paper)
     for name in ik.Robot.names():
         (folder / f"{name}.md").write_text(describe(name), encoding="utf-8")

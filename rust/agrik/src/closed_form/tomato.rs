@@ -13,6 +13,7 @@
 //! an arc cosine that loses the sign of z.
 
 use crate::error::{Error, Result};
+use crate::lanes::Real;
 use crate::solve::{Answers, Status};
 
 /// How far past the ends of the reach a target may be, m.
@@ -103,9 +104,9 @@ impl Arm {
     #[inline]
     pub fn fk(&self, q: &Joints) -> [f64; 3] {
         let [l1, l2] = self.links;
-        let (s1, c1) = q[0].sin_cos();
-        let (s12, c12) = (q[0] + q[1]).sin_cos();
-        let (s3, c3) = q[2].sin_cos();
+        let (s1, c1) = Real::sin_cos(q[0]);
+        let (s12, c12) = Real::sin_cos(q[0] + q[1]);
+        let (s3, c3) = Real::sin_cos(q[2]);
         let r = l1 * c1 + l2 * c12;
         [r * c3, r * s3, l1 * s1 + l2 * s12]
     }
@@ -118,8 +119,8 @@ impl Arm {
         }
         let [l1, l2] = self.links;
         let [x, y, z] = target;
-        let rho = x.hypot(y);
-        let distance = rho.hypot(z);
+        let rho = (x * x + y * y).sqrt();
+        let distance = (x * x + y * y + z * z).sqrt();
         if distance > l1 + l2 + EDGE {
             return Err(Outcome::TooFar);
         }
@@ -135,7 +136,8 @@ impl Arm {
         let lean = (l2 * sin).atan2(l1 + l2 * cos);
         let on_axis = rho < AXIS;
         let ahead = if on_axis { pan } else { y.atan2(x) };
-        let (front, back) = (z.atan2(rho), z.atan2(-rho));
+        let front = z.atan2(rho);
+        let back = std::f64::consts::PI.copysign(z) - front;
         let behind = if on_axis { pan } else { ahead + std::f64::consts::PI };
         let q = [
             [front + lean, -elbow, ahead],
