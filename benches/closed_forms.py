@@ -18,10 +18,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from peer_bench.machine import describe, measuring_core
 
 from agrik_fast.closed_form import StrawberryArm, TomatoArm
 from agrik_fast.papers import strawberry
-from peer_bench.machine import describe, measuring_core
 
 # Limits of issue 5, ns a target.
 GOALS_NS = {

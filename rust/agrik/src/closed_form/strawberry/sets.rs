@@ -194,7 +194,7 @@ impl Arm {
         let s32 = share(window.w).map(|c| Interval::new(c.high.acos(), c.low.acos()));
         let s32 = [s32.map(|t| Interval::new(-t.high, -t.low)), s32];
         let both = s21.and_then(|s| s.common(joint, tolerance));
-        let mut all = [0, 1].map(|i| Some(both?.common(s32[i]?, tolerance)?));
+        let mut all = [0, 1].map(|i| both?.common(s32[i]?, tolerance));
         if all[0].is_none() {
             all.swap(0, 1);
         }
