@@ -18,12 +18,12 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help run test lint format bench wheel docs clean build oracle \
+.PHONY: help run test lint format bench callgrind wheel docs clean build oracle \
 	rust-lint rust-test python-lint python-test
 
 help: ## say what every target does
 	@echo 'agrik_fast: `make run` and `make test` need only Rust, Python >= 3.11 and PyPI.'
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
 
 run: build ## solve the example targets of every robot, write and check the results
 	$(PY) examples/run_all.py
@@ -41,6 +41,9 @@ bench: build $(VENV)/.dev ## criterion benches of the core, then this library be
 	cargo bench $(LOCKED) -p agrik
 	$(PY) benches/peers.py
 	$(PY) benches/closed_forms.py
+
+callgrind: $(VENV)/.pip ## instructions per solve against the committed numbers (needs valgrind)
+	$(PY) benches/instructions.py
 
 wheel: $(VENV)/.build ## the wheel for this platform, in target/wheels
 	rm -rf $(WHEELS)

@@ -18,10 +18,11 @@ extensions = [
     "autoapi.extension",
     "myst_parser",
     "sphinx.ext.autodoc",
+    "sphinx.ext.mathjax",
     "sphinx.ext.napoleon",
 ]
 exclude_patterns = ["_build", "_generated"]
-myst_enable_extensions = ["deflist"]
+myst_enable_extensions = ["deflist", "dollarmath"]
 myst_heading_anchors = 3
 
 html_theme = "pydata_sphinx_theme"
@@ -32,13 +33,20 @@ html_theme_options = {
     "show_prev_next": True,
     "secondary_sidebar_items": ["page-toc"],
 }
-html_sidebars = {"index": [], "getting-started": [], "conventions": [], "robots": [], "solvers": []}
+html_sidebars = {
+    "index": [],
+    "getting-started": [],
+    "conventions": [],
+    "robots": [],
+    "solvers": [],
+    "population": [],
+}
 
 # The API pages are read from the sources and, for the compiled module, from its stub,
 # which is where its documentation lives; nothing has to be imported for them.
 autoapi_dirs = [str(HERE.parent / "python" / "agrik_fast")]
 autoapi_file_patterns = ["*.pyi", "*.py"]
-autoapi_ignore = ["*/cli/*", "*/io/*"]
+autoapi_ignore = ["*/cli/*", "*/io/*", "*/papers/*"]
 autoapi_generate_api_docs = False
 autoapi_add_toctree_entry = False
 autoapi_member_order = "bysource"

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from agrik_fast import ArgumentError, Robot, Status
+from agrik_fast.cli import pipeline
 from agrik_fast.cli import solve as solve_module
 from agrik_fast.cli.progress import Bar, Plain, for_stream
 from agrik_fast.cli.solve import SolveRequest, parse_axis, solve_file
@@ -42,8 +43,8 @@ def test_results_are_those_of_one_call(
     agrik_fast: RunCommand, suffix: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # Small pieces and small writes, so that many of both are put together.
-    monkeypatch.setattr(solve_module, "FIRST_PIECE", 3)
-    monkeypatch.setattr(solve_module, "LARGEST_PIECE", 17)
+    monkeypatch.setattr(pipeline, "FIRST_PIECE", 3)
+    monkeypatch.setattr(pipeline, "LARGEST_PIECE", 17)
     monkeypatch.setattr(solve_module, "WRITE_ROWS", 50)
     points = points_file("points.npy", "hydrolek", 300)
     result = agrik_fast("solve", "hydrolek", "points.npy", "-o", f"out{suffix}", "--seed", 5)
@@ -245,7 +246,13 @@ def test_the_force_option_replaces(agrik_fast: RunCommand) -> None:
 # ---- Ctrl-C ------------------------------------------------------------------------------------
 
 
-def test_ctrl_c_stops_and_leaves_the_file_untouched(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("number", "code", "word"),
+    [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "terminated")],
+)
+def test_a_signal_stops_and_leaves_the_file_untouched(
+    tmp_path: Path, number: signal.Signals, code: int, word: str
+) -> None:
     # Reachable points whose orientation is turned about the forearm, which the arm cannot
     # do and no bound tells: every row costs all its restarts.
     arm = Robot.load("tomato")
@@ -271,13 +278,13 @@ def test_ctrl_c_stops_and_leaves_the_file_untouched(tmp_path: Path) -> None:
         time.sleep(0.5)
         assert job.poll() is None
         assert [entry.name for entry in tmp_path.glob(".r.csv.*.partial")]
-        job.send_signal(signal.SIGINT)
+        job.send_signal(number)
         # One second is the promise; a busy machine gets more before it counts as hanging.
         _, errors = job.communicate(timeout=20)
     finally:
         job.kill()
-    assert job.returncode == 130
-    assert "interrupted" in errors
+    assert job.returncode == code
+    assert f"agrik-fast: {word}, nothing was written" in errors
     assert "Traceback" not in errors
     assert result.read_text() == "old"
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["hard.npy", "r.csv"]

@@ -1,5 +1,8 @@
 """`Robot.ik`: shapes, statuses, starts, tool offset, solvers, tasks, limits."""
 
+import os
+import subprocess
+import sys
 from dataclasses import fields
 
 import numpy as np
@@ -132,11 +135,12 @@ def test_options_of_a_solver_are_kept(load_robot):
     arm = load_robot("redundant7")
     targets = reachable(arm, 50)
     result = arm.ik(targets, solver=solvers.DampedLeastSquares(max_iterations=3, max_restarts=2))
-    assert (result.restarts <= 2).all()
-    assert (result.iterations <= 9).all()
     unsolved = result.status == ik.Status.NOT_FOUND
     assert unsolved.any()
-    assert (result.iterations[unsolved] == 9).all()
+    assert (result.restarts[unsolved] == 2).all()
+    assert (result.restarts <= 2).all()
+    # Attempts that are closing in get some more steps.
+    assert result.iterations.max() < arm.ik(targets, solver="dls").iterations.max()
 
 
 def test_iterations_are_zero_where_the_start_is_the_answer(load_robot):
@@ -339,50 +343,6 @@ def test_statuses():
         assert ik.Status(int(status)) in result.status
 
 
-@pytest.mark.parametrize("dtype", [np.float32, np.float16, np.int64, np.uint8, ">f8"])
-def test_numbers_of_any_kind_are_taken(load_robot, dtype):
-    arm = load_robot("strawberry")
-    targets = np.array([[2, 1, 1], [1, 1, 2]], dtype=dtype)
-    np.testing.assert_array_equal(arm.ik(targets).q, arm.ik(targets.astype(float)).q)
-    np.testing.assert_array_equal(arm.ik(targets.tolist()).q, arm.ik(targets.astype(float)).q)
-
-
-def test_layouts_of_any_kind_are_taken(load_robot):
-    arm = load_robot("puma560")
-    targets = reachable(arm, 30)
-    expected = arm.ik(targets).q
-    read_only = targets.copy()
-    read_only.flags.writeable = False
-    spread = np.zeros((60, 5, 4))[::2, :4]
-    spread[...] = targets
-    unaligned = np.frombuffer(b"x" + targets.tobytes(), np.float64, offset=1).reshape(30, 4, 4)
-    for layout in (read_only, np.asfortranarray(targets), spread, unaligned, targets[::-1][::-1]):
-        np.testing.assert_array_equal(arm.ik(layout).q, expected)
-        np.testing.assert_array_equal(arm.ik(layout[7]).q, arm.ik(targets[7]).q)
-    q = arm.random_q(30, seed=1)
-    for function in (arm.fk, arm.jacobian, arm.fk_links):
-        np.testing.assert_array_equal(function(np.asfortranarray(q)), function(q))
-        np.testing.assert_array_equal(function(q[3].tolist()), function(q)[3])
-        np.testing.assert_array_equal(function(q.reshape(5, 6, 6))[1, 2], function(q)[8])
-
-
-@pytest.mark.parametrize("name", ["redundant7", "strawberry", "panda"])
-def test_with_many_rows_kinematics_give_the_same(load_robot, name):
-    arm = load_robot(name)
-    q = arm.random_q(1000, seed=8)
-    np.testing.assert_allclose(arm.fk(q), numpy_fk.fk(name, q), atol=1e-12)
-    np.testing.assert_array_equal(arm.fk_links(q)[:, -1].shape, (1000, 4, 4))
-    np.testing.assert_allclose(arm.fk_links(q)[:, -1], arm.fk(q), atol=1e-12)
-    assert len(arm.link_names) == arm.fk_links(q).shape[1]
-    np.testing.assert_array_equal(arm.jacobian(q)[17], arm.jacobian(q[17]))
-    step = 1e-6
-    for joint in range(arm.dof):
-        change = np.zeros(arm.dof)
-        change[joint] = step
-        moved = (arm.fk(q[:20] + change) - arm.fk(q[:20] - change)) / (2 * step)
-        np.testing.assert_allclose(arm.jacobian(q[:20])[:, :3, joint], moved[:, :3, 3], atol=1e-8)
-
-
 def test_threads_are_set_for_the_process():
     before = ik.get_num_threads()
     try:
@@ -392,3 +352,18 @@ def test_threads_are_set_for_the_process():
         ik.set_num_threads(None)
     assert ik.get_num_threads() == before
     assert ik.simd_level() in ("scalar", "neon", "avx2", "avx512")
+
+
+@pytest.mark.parametrize(("text", "number"), [("5", 5), (" 2 ", 2), ("0", None), ("many", None)])
+def test_the_environment_sets_the_threads(text, number):
+    code = "import agrik_fast as ik; print(ik.get_num_threads())"
+    environment = {key: value for key, value in os.environ.items() if key != "AGRIK_NUM_THREADS"}
+    outputs = [
+        subprocess.run(
+            [sys.executable, "-c", code], env=env, capture_output=True, text=True, check=True
+        ).stdout
+        for env in (environment, environment | {"AGRIK_NUM_THREADS": text})
+    ]
+    cores = int(outputs[0])
+    assert cores >= 1
+    assert int(outputs[1]) == (cores if number is None else number)

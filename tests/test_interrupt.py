@@ -22,8 +22,9 @@ import agrik_fast as ik
 arm = ik.Robot.from_dh([[1, 0, 0, 0], [1, 0, 0, 0]], limits=[[-3, 3], [1, 2]])
 targets = np.tile([1.9, 0, 0], (int(sys.argv[1]), 1))
 solver = ik.solvers.LevenbergMarquardt(max_restarts=int(sys.argv[3]))
-if sys.argv[1] == "0":
-    targets = targets.reshape(-1)[:0]
+if len(sys.argv) > 4:
+    easy = np.arange(len(targets)) != int(sys.argv[4])
+    targets[easy] = [1.2, 0.3, 0]
 print("started", flush=True)
 try:
     arm.ik(targets, solver=solver, threads=int(sys.argv[2]))
@@ -33,11 +34,19 @@ except KeyboardInterrupt:
 
 
 @pytest.mark.parametrize(
-    ("rows", "threads", "restarts"),
-    [(1, 1, 2**32 - 1), (100, 2, 2**32 - 1), (2_000_000, 1, 1000), (2_000_000, 2, 1000)],
+    "arguments",
+    [
+        (1, 1, 2**32 - 1),
+        (100, 2, 2**32 - 1),
+        (2_000_000, 1, 1000),
+        (2_000_000, 2, 1000),
+        # The one hard row is solved by one thread while the other has nothing left to do.
+        (512, 2, 2**32 - 1, 10),
+        (512, 2, 2**32 - 1, 300),
+    ],
 )
-def test_a_signal_ends_a_long_call(rows, threads, restarts):
-    command = [sys.executable, "-c", SCRIPT, str(rows), str(threads), str(restarts)]
+def test_a_signal_ends_a_long_call(arguments):
+    command = [sys.executable, "-c", SCRIPT, *map(str, arguments)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         try:
             assert process.stdout.readline() == "started\n"

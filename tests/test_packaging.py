@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from machine_code import assert_holds_fast_path
+
 # Building takes seconds when cargo has the release build already, minutes when it has not.
 pytestmark = pytest.mark.timeout(900)
 
@@ -55,6 +57,12 @@ def test_wheel_holds_robots_types_and_licences_and_nothing_of_the_checkout(wheel
     assert {Path(name).name for name in names} >= {"LICENSE-MIT", "LICENSE-APACHE"}
     others = {name.split("/")[0] for name in names} - {"agrik_fast"}
     assert all(re.fullmatch(r"agrik_fast-.*\.(dist-info|libs)", name) for name in others), others
+
+
+def test_wheel_holds_the_fast_path_for_every_processor(wheel: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        (module,) = (name for name in archive.namelist() if "/_native." in name and name[-1] != "i")
+        assert_holds_fast_path(archive.read(module))
 
 
 def test_readme_example_solves_its_targets(

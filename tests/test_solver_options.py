@@ -15,6 +15,8 @@ from agrik_fast._native import default_settings
 from agrik_fast.errors import ArgumentError, UnknownNameError
 from agrik_fast.solvers import (
     DampedLeastSquares,
+    DifferentialEvolution,
+    GeneticAlgorithm,
     LevenbergMarquardt,
     PseudoInverse,
     Transpose,
@@ -30,7 +32,8 @@ def test_defaults_are_those_of_the_core(solver: type[Any]) -> None:
 
 
 def test_the_core_knows_no_other_solver() -> None:
-    assert set(default_settings()) == {solver.name for solver in SOLVERS}
+    known = {*SOLVERS, DifferentialEvolution, GeneticAlgorithm}
+    assert set(default_settings()) == {solver.name for solver in known}
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -119,7 +122,7 @@ def test_the_caps_hold(solver: type[Any], arm: ik.Robot) -> None:
 def test_an_unknown_solver_names_the_nearest(arm: ik.Robot) -> None:
     with pytest.raises(UnknownNameError) as caught:
         arm.ik(np.eye(4), solver="lmm")
-    message = "unknown solver 'lmm'; did you mean 'lm'? Known: lm, dls, pinv, transpose"
+    message = "unknown solver 'lmm'; did you mean 'lm'? Known: lm, dls, pinv, transpose, de, ga"
     assert str(caught.value) == message
     with pytest.raises(ArgumentError, match="`solver`: expected a solver"):
         arm.ik(np.eye(4), solver=3)  # type: ignore[arg-type]

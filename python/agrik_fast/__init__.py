@@ -7,9 +7,10 @@ with it the command line's help) costs next to nothing.
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from . import errors, solvers, tasks
+    from . import errors, euler, solvers, tasks
     from ._native import __version__, get_num_threads, set_num_threads, simd_level
     from .errors import AgrikError, ArgumentError, RobotFileError, UnknownNameError, UrdfError
+    from .path import Path
     from .result import IkResult, Status
     from .robot import Robot
 else:
@@ -20,6 +21,7 @@ __all__ = [
     "AgrikError",
     "ArgumentError",
     "IkResult",
+    "Path",
     "Robot",
     "RobotFileError",
     "Status",
@@ -27,6 +29,7 @@ __all__ = [
     "UrdfError",
     "__version__",
     "errors",
+    "euler",
     "get_num_threads",
     "set_num_threads",
     "simd_level",

@@ -9,6 +9,7 @@ MODULE_OF = {
     "AgrikError": "errors",
     "ArgumentError": "errors",
     "IkResult": "result",
+    "Path": "path",
     "Robot": "robot",
     "RobotFileError": "errors",
     "Status": "result",
@@ -21,7 +22,7 @@ MODULE_OF = {
 }
 """Module that defines each public name."""
 
-MODULES = ("errors", "solvers", "tasks")
+MODULES = ("errors", "euler", "solvers", "tasks")
 """Modules that are public names themselves."""
 
 _PACKAGE = "agrik_fast"

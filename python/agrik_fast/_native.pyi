@@ -220,6 +220,31 @@ class Chain:
     ) -> IkResult:
         """Solve a batch of targets; see `agrik_fast.Robot.ik`."""
 
+    def follow(
+        self,
+        targets: ArrayLike,
+        max_joint_step: ArrayLike,
+        q0: ArrayLike | None = None,
+        pull: float | None = None,
+        task: Task | str | None = None,
+        seed: int | None = None,
+        tool: ArrayLike | None = None,
+        position_tolerance: float | None = None,
+        orientation_tolerance: float | None = None,
+    ) -> tuple[IkResult, NDArray[np.bool_]]:
+        """Follow a sequence of targets; see `agrik_fast.Robot.follow`."""
+
+    def cost_history(
+        self,
+        target: ArrayLike,
+        solver: Solver | str,
+        task: Task | str | None = None,
+        q0: ArrayLike | None = None,
+        seed: int | None = None,
+        tool: ArrayLike | None = None,
+    ) -> NDArray[np.float64]:
+        """Return the best cost of a population solver's first run, generation by generation."""
+
 @final
 class IkResult:
     """Answers of one `Robot.ik` call; arrays have the targets' leading shape."""
@@ -403,7 +428,7 @@ def ik_record(q: ArrayLike, status: ArrayLike, position_error: ArrayLike) -> IkR
         The record.
     """
 
-def default_settings() -> dict[str, dict[str, float]]:
+def default_settings() -> dict[str, dict[str, object]]:
     """Return the default settings of each solver, by the solver's name.
 
     Returns
@@ -430,4 +455,12 @@ def get_num_threads() -> int:
     """Return the number of threads that a batch call uses by default."""
 
 def simd_level() -> str:
-    """Return the instruction set the batch loops were dispatched to on this machine."""
+    """Return the instruction set that the batch loops use in this process.
+
+    Returns
+    -------
+    str
+        "scalar", "neon", "avx2" or "avx512": the highest that the machine has, or the one
+        that the environment variable ``AGRIK_SIMD`` names. A name that the machine does not
+        have is a `RuntimeWarning` when the compiled module is first used.
+    """

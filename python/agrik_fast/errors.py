@@ -16,6 +16,7 @@ __all__ = [
     "AgrikError",
     "ArgumentError",
     "Fault",
+    "GainFileError",
     "RobotFileError",
     "UnknownNameError",
     "UrdfError",
@@ -41,7 +42,7 @@ class ArgumentError(AgrikError, ValueError):
 
     Attributes
     ----------
-    argument, received, expected : str
+    argument, received, expected
         The parameters.
     """
 
@@ -59,6 +60,34 @@ class ArgumentError(AgrikError, ValueError):
         # The default rebuilds from `args`, which holds the message only; worker
         # processes could then not hand the exception back.
         return type(self), (self.argument, self.received, self.expected)
+
+
+class GainFileError(AgrikError, ValueError):
+    """A gain file, or a tuner's checkpoint, cannot be used.
+
+    Parameters
+    ----------
+    file : str
+        Name of the file.
+    reason : str
+        What is wrong, and where in the file.
+
+    Attributes
+    ----------
+    file, reason
+        The parameters.
+    """
+
+    file: str
+    reason: str
+
+    def __init__(self, file: str, reason: str) -> None:
+        self.file = file
+        self.reason = reason
+        super().__init__(f"{file}: {reason}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.file, self.reason)
 
 
 class UnknownNameError(ArgumentError):

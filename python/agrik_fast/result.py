@@ -26,4 +26,11 @@ class Status(IntEnum):
     """No solution within the iteration and restart caps; one may still exist."""
 
     BAD_INPUT = 3
-    """The target or its start value holds NaN or infinity, or is no rigid transform."""
+    """The target or its start value holds NaN or infinity."""
+
+    STALLED = 4
+    """The search came to rest before it reached the target, as in a local minimum; told by
+    feedback solvers, population solvers without polish and `solvers.Plain` only."""
+
+    NON_FINITE = 5
+    """Numbers of a feedback solver grew beyond all bounds, as those of an unstable A do."""

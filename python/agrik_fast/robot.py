@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os import PathLike
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
@@ -13,11 +13,13 @@ from numpy.typing import ArrayLike
 from ._checks import FloatArray, float_array, whole_number
 from ._definition import Definition, bundled_names, from_robot_file, locate, read_urdf
 from ._dh_rows import CONVENTIONS, DhRow, read_table
+from ._stream import solve_ahead
 from .errors import UnknownNameError
 
 if TYPE_CHECKING:
+    from .path import Path
     from .result import IkResult
-    from .solvers import Solver
+    from .solvers import DifferentialEvolution, GeneticAlgorithm, Solver
     from .tasks import Task
 
 __all__ = ["DhRow", "Robot"]
@@ -280,7 +282,7 @@ class Robot:
 
     @property
     def frames(self) -> Mapping[str, FloatArray]:
-        """Named frames: transform (4, 4), m, that leads a pose of `fk` to that frame.
+        """The named frames, as the (4, 4) transforms (m) that lead a pose of `fk` to them.
 
         ``robot.frames["paper"] @ robot.fk(q)`` is the tool in the frame "paper".
         """
@@ -377,14 +379,15 @@ class Robot:
         task : task or {"position", "pose", "axis"}, optional
             What counts as reached, see `agrik_fast.tasks`. Default: "pose" for shape
             (..., 4, 4), "position" for (..., 3).
-        solver : solver or {"lm", "dls", "pinv", "transpose"}, default "lm"
+        solver : solver or {"lm", "dls", "pinv", "transpose", "de", "ga"}, default "lm"
             How to get there, see `agrik_fast.solvers`.
         q0 : array_like, shape broadcastable to (..., n), rad or m, optional
             Start values of the first attempt. Default: chosen from the seed.
         seed : int, default 0
             Seed of the random start values, 0 to 2**64 - 1.
         tool : array_like, shape (4, 4), optional
-            Tool in the last link's frame, in place of the robot's own for this call.
+            An offset behind the robot's own tool for this call: the transform from the
+            robot's tool frame to the frame that has to reach the target, m.
         threads : int, optional
             Number of threads; default as set by `agrik_fast.set_num_threads` or the
             environment variable ``AGRIK_NUM_THREADS``, else one per core.
@@ -425,6 +428,177 @@ class Robot:
             orientation_tolerance,
             first_index,
         )
+
+    def follow(
+        self,
+        targets: ArrayLike,
+        q0: ArrayLike | None = None,
+        max_joint_step: ArrayLike = 0.1,
+        task: Task | str | None = None,
+        seed: int = 0,
+        tool: ArrayLike | None = None,
+        *,
+        pull: float = 0.5,
+        position_tolerance: float = 1e-6,
+        orientation_tolerance: float = 1e-6,
+    ) -> Path:
+        """Follow a sequence of targets, every posture the continuation of the one before.
+
+        Each target is solved by the default step solver from the posture before, inside
+        limits that leave every joint no more than one step. The freedom that a redundant
+        arm has is used to stay near the posture before. If that fails, other postures
+        within the step are tried; if none leads to the target, the nearest posture that a
+        search of the whole range finds is taken and reported as a discontinuity.
+
+        Parameters
+        ----------
+        targets : array_like, shape (n, 4, 4) or (n, 3)
+            Poses of the tool, or positions of the tool point, in order, base frame; m.
+        q0 : array_like, shape (dof,), rad or m, optional
+            Where the arm stands before the first target, within the limits. Without it the
+            first posture is free.
+        max_joint_step : float or array_like, shape (dof,), rad or m, default 0.1
+            Largest change of each joint from one target to the next.
+        task, tool, position_tolerance, orientation_tolerance : optional
+            As in `ik`.
+        seed : int, default 0
+            Seed of the searches, 0 to 2**64 - 1.
+        pull : float, default 0.5
+            Share of the way back to the posture before that each solver step goes in the
+            null space of the task; 0 to 1.
+
+        Returns
+        -------
+        Path
+            Joint values, success, errors and discontinuities, one row a target.
+
+        Raises
+        ------
+        ArgumentError
+            A wrong shape, type or value of an argument; start values out of the limits.
+        KeyboardInterrupt
+            Ctrl-C.
+        """
+        from .path import Path
+
+        result, jumps = self._chain.follow(
+            targets,
+            max_joint_step,
+            q0,
+            pull,
+            task,
+            seed,
+            tool,
+            position_tolerance,
+            orientation_tolerance,
+        )
+        steps = np.zeros_like(result.q)
+        if len(steps):
+            steps[1:] = np.diff(result.q, axis=0)
+            if q0 is not None:
+                steps[0] = result.q[0] - float_array("q0", q0)
+        return Path(
+            q=result.q,
+            success=result.success,
+            status=result.status,
+            position_error=result.position_error,
+            orientation_error=result.orientation_error,
+            iterations=result.iterations,
+            discontinuity=jumps,
+            joint_step=steps,
+        )
+
+    def cost_history(
+        self,
+        target: ArrayLike,
+        solver: DifferentialEvolution | GeneticAlgorithm | str = "de",
+        task: Task | str | None = None,
+        q0: ArrayLike | None = None,
+        seed: int = 0,
+        tool: ArrayLike | None = None,
+    ) -> FloatArray:
+        """Best cost of a population solver, generation by generation.
+
+        Parameters
+        ----------
+        target : array_like, shape (4, 4) or (3,)
+            Pose of the tool, or position of the tool point, in the base frame; m.
+        solver : DifferentialEvolution, GeneticAlgorithm, "de" or "ga"
+            The search.
+        task, q0, seed, tool : optional
+            As in `ik`.
+
+        Returns
+        -------
+        ndarray, shape (generations + 1,)
+            Cost of the best individual of the first population and after each generation
+            of the first run of `ik` with the same arguments; weights of the solver.
+
+        Raises
+        ------
+        ArgumentError
+            A step solver, several targets, or a wrong argument as in `ik`.
+        """
+        return self._chain.cost_history(target, solver, task, q0, seed, tool)
+
+    def ik_stream(
+        self,
+        chunks: Iterable[ArrayLike],
+        task: Task | str | None = None,
+        solver: Solver | str = "lm",
+        q0: ArrayLike | None = None,
+        seed: int = 0,
+        tool: ArrayLike | None = None,
+        threads: int | None = None,
+        *,
+        position_tolerance: float = 1e-6,
+        orientation_tolerance: float = 1e-6,
+        first_index: int = 0,
+    ) -> Iterator[IkResult]:
+        """Inverse kinematics of a stream of chunks, for more targets than memory holds.
+
+        One chunk is solved ahead: while the caller uses a result, the next chunk is being
+        solved in another thread. The answers are those of one call of `ik` with all
+        targets. Chunks are taken from the iterator in the caller's thread.
+
+        Parameters
+        ----------
+        chunks : iterable of array_like, each of shape (..., 4, 4) or (..., 3)
+            Targets as for `ik`; some tens of thousands in a chunk keep all cores busy.
+        task, solver, seed, tool, threads, position_tolerance, orientation_tolerance
+            As for `ik`, the same for all chunks.
+        q0 : array_like, shape (n,), rad or m, optional
+            Start values of every target's first attempt.
+        first_index : int, default 0
+            Index of the first target of the first chunk; those that follow are counted on.
+
+        Returns
+        -------
+        iterator of IkResult
+            One result a chunk, in order.
+
+        Raises
+        ------
+        ArgumentError, UnknownNameError
+            As `ik`, when the chunk's result is asked for; `first_index` at once.
+        """
+        first_index = whole_number("first_index", first_index, 0, 2**64 - 1)
+
+        def solve(targets: ArrayLike, index: int) -> IkResult:
+            return self.ik(
+                targets,
+                task,
+                solver,
+                q0,
+                seed,
+                tool,
+                threads,
+                position_tolerance=position_tolerance,
+                orientation_tolerance=orientation_tolerance,
+                first_index=index,
+            )
+
+        return solve_ahead(chunks, solve, first_index)
 
     def with_tool(self, tool: ArrayLike) -> Robot:
         """Return the same robot with another tool.

@@ -1,9 +1,11 @@
 """Solvers: how a target is reached.
 
-Pass one to `Robot.ik` as an object or, with its defaults, by its name. All solvers
-here are *step solvers*: one loop tests for convergence, takes a step within the joint
-limits, and restarts when an attempt has used up its iterations, from the best of a few
-postures that are drawn at random. They differ in how the step is computed.
+Pass one to `Robot.ik` as an object or, with its defaults, by its name. There are two
+kinds. *Population solvers* (`agrik_fast.population`) search the whole range of the joints
+with many postures at once. *Step solvers*, defined here, share one loop: it tests for
+convergence, takes a step within the joint limits, and restarts when an attempt has used up
+its iterations, from the best of a few postures that are drawn at random. They differ in how
+the step is computed.
 
 Rows of the error and the Jacobian that concern orientation are scaled by a length per
 radian (0.3 times the robot's reach), so that one damping serves metres and radians.
@@ -15,13 +17,33 @@ from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
 from ._checks import real_number, whole_number
-from .errors import ArgumentError
+from ._feedback import (
+    STARTS,
+    Broyden,
+    CyclicCoordinateDescent,
+    Feedback,
+    IkPid,
+    StateSpace,
+    StaticGain,
+)
+from .errors import ArgumentError, UnknownNameError
+from .population import DifferentialEvolution, GeneticAlgorithm
 
 __all__ = [
+    "Broyden",
+    "ClosedPseudoInverse",
+    "CyclicCoordinateDescent",
     "DampedLeastSquares",
+    "DifferentialEvolution",
+    "GeneticAlgorithm",
+    "IkPid",
+    "JacobianSolver",
     "LevenbergMarquardt",
+    "Plain",
     "PseudoInverse",
     "Solver",
+    "StateSpace",
+    "StaticGain",
     "Transpose",
 ]
 
@@ -29,7 +51,7 @@ __all__ = [
 _LARGEST_COUNT = 2**32 - 1
 
 
-def _check_loop(solver: Solver) -> None:
+def _check_loop(solver: JacobianSolver) -> None:
     kind = type(solver).__name__
     whole_number(f"{kind}.max_iterations", solver.max_iterations, 1, _LARGEST_COUNT)
     whole_number(f"{kind}.max_restarts", solver.max_restarts, 0, _LARGEST_COUNT)
@@ -48,7 +70,8 @@ class LevenbergMarquardt:
     damping : float, default 0.1
         Share of half the squared error that is added to the diagonal; no unit, > 0.
     max_iterations : int, default 10
-        Steps of one attempt before it is given up; 1 to 2**32 - 1.
+        Steps of one attempt before it is given up; 1 to 2**32 - 1. An attempt that
+        is closing in on a solution, slowly where that is singular, gets eight times as many.
     max_restarts : int, default 100
         Attempts after the first before the target is given up; 0 to 2**32 - 1.
     max_step : float, default 1.0
@@ -89,7 +112,8 @@ class DampedLeastSquares:
     damping : float, default 0.01
         Damping, m; > 0.
     max_iterations : int, default 60
-        Steps of one attempt before it is given up; 1 to 2**32 - 1.
+        Steps of one attempt before it is given up; 1 to 2**32 - 1. An attempt that
+        is closing in on a solution, slowly where that is singular, gets eight times as many.
     max_restarts : int, default 100
         Attempts after the first before the target is given up; 0 to 2**32 - 1.
     max_step : float, default 1.0
@@ -131,7 +155,8 @@ class PseudoInverse:
     cutoff : float, default 0.001
         Relative cutoff of singular values; no unit, > 0 and < 1.
     max_iterations : int, default 60
-        Steps of one attempt before it is given up; 1 to 2**32 - 1.
+        Steps of one attempt before it is given up; 1 to 2**32 - 1. An attempt that
+        is closing in on a solution, slowly where that is singular, gets eight times as many.
     max_restarts : int, default 100
         Attempts after the first before the target is given up; 0 to 2**32 - 1.
     max_step : float, default 1.0
@@ -167,7 +192,8 @@ class Transpose:
     Parameters
     ----------
     max_iterations : int, default 2000
-        Steps of one attempt before it is given up; 1 to 2**32 - 1.
+        Steps of one attempt before it is given up; 1 to 2**32 - 1. An attempt that
+        is closing in on a solution, slowly where that is singular, gets eight times as many.
     max_restarts : int, default 20
         Attempts after the first before the target is given up; 0 to 2**32 - 1.
     max_step : float, default 1.0
@@ -194,5 +220,80 @@ class Transpose:
         _check_loop(self)
 
 
-Solver: TypeAlias = LevenbergMarquardt | DampedLeastSquares | PseudoInverse | Transpose
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClosedPseudoInverse:
+    """Full steps by the pseudo-inverse in closed form, named "pinv-closed".
+
+    ``dq = J^T (J J^T)^-1 e``: cheap, but with no answer where ``J J^T`` is singular; there
+    an attempt ends.
+
+    Parameters
+    ----------
+    max_iterations : int, default 60
+        Steps of one attempt before it is given up; 1 to 2**32 - 1.
+    max_restarts : int, default 100
+        Attempts after the first before the target is given up; 0 to 2**32 - 1.
+    max_step : float, default 1.0
+        Longest change of one joint in one step, rad or m; > 0. A step that is longer is
+        shortened as a whole.
+
+    Raises
+    ------
+    ArgumentError
+        A field is out of its range.
+    """
+
+    name: ClassVar[str] = "pinv-closed"
+    max_iterations: int = 60
+    max_restarts: int = 100
+    max_step: float = 1.0
+
+    def __post_init__(self) -> None:
+        _check_loop(self)
+
+
+JacobianSolver: TypeAlias = (
+    LevenbergMarquardt | DampedLeastSquares | PseudoInverse | ClosedPseudoInverse | Transpose
+)
+"""Any solver whose steps come from the Jacobian."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plain:
+    """Another solver's steps the way textbooks and papers have them.
+
+    One attempt from one start, full steps, limits by saturation after the step alone.
+    `Status.STALLED` tells an attempt that came to rest from one that ran out of steps.
+    For comparisons with published methods; by far not as reliable as the solver itself.
+
+    Parameters
+    ----------
+    solver : solver
+        Whose steps: a Jacobian solver or a feedback solver.
+    start : {"sampled", "zero", "middle"}
+        Where to start without `q0`; default "zero" (clamped into the limits).
+    max_iterations : int, default 1000
+        Steps before the target is given up; 1 to 2**32 - 1.
+
+    Raises
+    ------
+    ArgumentError
+        A field is out of its range.
+    """
+
+    name: ClassVar[str] = "plain"
+    solver: JacobianSolver | Feedback
+    start: str = "zero"
+    max_iterations: int = 1000
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.solver, JacobianSolver | Feedback):
+            expected = "a solver object that takes steps"
+            raise ArgumentError("Plain.solver", repr(self.solver), expected)
+        if self.start not in STARTS:
+            raise UnknownNameError("start", str(self.start), STARTS)
+        whole_number("Plain.max_iterations", self.max_iterations, 1, _LARGEST_COUNT)
+
+
+Solver: TypeAlias = JacobianSolver | Feedback | Plain | DifferentialEvolution | GeneticAlgorithm
 """Any solver."""

@@ -7,7 +7,9 @@ load inside the command that needs them.
 from __future__ import annotations
 
 import contextlib
+import signal
 import sys
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
@@ -17,6 +19,7 @@ import typer
 EXIT_BAD_ARGUMENTS = 2
 EXIT_NOT_ALL_SOLVED = 3
 EXIT_INTERRUPTED = 130  # the shell's 128 + SIGINT
+EXIT_TERMINATED = 143  # 128 + SIGTERM
 
 app = typer.Typer(
     name="agrik-fast",
@@ -33,11 +36,38 @@ def main() -> None:
     app(prog_name="agrik-fast")
 
 
+class _Terminated(BaseException):
+    """The process was asked to end (SIGTERM)."""
+
+
 @contextlib.contextmanager
-def _exit_codes() -> Iterator[None]:
-    """Turn expected errors into one line on stderr and an exit code."""
+def _termination_as_exception() -> Iterator[None]:
+    """Let SIGTERM unwind the program as Ctrl-C does, so that half a result is removed."""
+
+    def end(number: int, frame: object) -> None:
+        # A second signal must not interrupt the cleaning up.
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        raise _Terminated
+
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread may set handlers, and only it is interrupted
+        return
+    before = signal.signal(signal.SIGTERM, end)
     try:
         yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL if before is None else before)
+
+
+@contextlib.contextmanager
+def _exit_codes() -> Iterator[None]:
+    """Turn expected errors and signals into one line on stderr and an exit code."""
+    try:
+        with _termination_as_exception():
+            yield
+    except _Terminated:
+        typer.echo("agrik-fast: terminated, nothing was written", err=True)
+        raise typer.Exit(EXIT_TERMINATED) from None
     except KeyboardInterrupt:
         typer.echo("agrik-fast: interrupted, nothing was written", err=True)
         raise typer.Exit(EXIT_INTERRUPTED) from None
@@ -80,7 +110,13 @@ def solve(
         str | None,
         typer.Option(help="position, pose or axis; by default pose if there are orientations."),
     ] = None,
-    solver: Annotated[str, typer.Option(help="lm, dls, pinv or transpose.")] = "lm",
+    solver: Annotated[
+        str,
+        typer.Option(
+            help="lm, dls, pinv, pinv-closed, transpose, ccd, ik-pid, state-space, static-gain, "
+            "broyden, de or ga."
+        ),
+    ] = "lm",
     tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-6,
     tol_rad: Annotated[float, typer.Option(help="Orientation tolerance in radians.")] = 1e-6,
     tool_axis: Annotated[
@@ -106,7 +142,8 @@ def solve(
 
     Lengths are metres and angles radians unless a column says otherwise (x_mm, roll_deg).
     Exit status: 0 every row was processed, 2 bad arguments or files, 3 some rows are not
-    solved (with --strict), 130 interrupted; the result appears only when it is complete.
+    solved (with --strict), 130 interrupted, 143 terminated. The result appears only when it
+    is complete.
     """
     with _exit_codes():
         from .progress import for_stream
@@ -149,8 +186,61 @@ def info(
 
 
 @app.command()
+def tune(
+    robot: Annotated[str, typer.Argument(help="A bundled robot's name, or a .toml or .urdf file.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Gain file: .toml or .json.")],
+    solver: Annotated[
+        str, typer.Option(help="state-space, static-gain or ik-pid.")
+    ] = "state-space",
+    shape: Annotated[
+        str, typer.Option(help="State space: input (B alone), diagonal (of A, and B) or full.")
+    ] = "input",
+    method: Annotated[str, typer.Option(help="pso (particle swarm) or cma (CMA-ES).")] = "pso",
+    start: Annotated[str, typer.Option(help="Where attempts start: zero or middle.")] = "zero",
+    goals: Annotated[int, typer.Option(min=1, help="Training goals.")] = 3000,
+    evaluations: Annotated[int, typer.Option(min=1, help="Gain sets to judge.")] = 4840,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the search and its goals.")] = 0,
+    tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-3,
+    threads: Annotated[
+        int | None, typer.Option(min=1, help="Threads; by default all cores.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on from the checkpoint of a run that was killed.")
+    ] = False,
+) -> None:
+    """Find the gains of a feedback solver and write them with how well they do.
+
+    A checkpoint beside the output keeps the search, every few seconds, until it is done.
+    """
+    with _exit_codes():
+        from ..tune import Tuning
+        from .tune import tune_to_file
+
+        tuning = Tuning(
+            solver=solver,
+            shape=shape,
+            method=method,
+            start=start,
+            goals=goals,
+            evaluations=evaluations,
+            seed=seed,
+            tolerance=tol,
+            threads=threads,
+        )
+        content = tune_to_file(robot, tuning, output, force=force, resume=resume)
+        success = content.success
+        if success is not None:
+            typer.echo(
+                f"{success.solved} of {success.goals} goals kept apart are reached "
+                f"(training: {content.training.solved} of {content.training.goals})"
+            )
+        typer.echo(f"gains: {output}")
+
+
+@app.command()
 def paper(
-    name: Annotated[str, typer.Argument(help="strawberry or tomato.")],
+    name: Annotated[str, typer.Argument(help="Whose paper: strawberry, tomato or redundant7.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
     force: Annotated[
         bool, typer.Option("--force", help="Write into a folder that holds files.")
@@ -163,5 +253,8 @@ def paper(
     with _exit_codes():
         from .paper import reproduce
 
-        for file in reproduce(name, output, force=force):
+        def report(line: str) -> None:
+            typer.echo(f"{name}: {line}", err=True)
+
+        for file in reproduce(name, output, report, force=force):
             typer.echo(str(file))

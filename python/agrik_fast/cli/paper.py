@@ -1,16 +1,19 @@
-"""What ``agrik-fast paper`` does: find the paper's module and let it write its files."""
+"""``agrik-fast paper``: the tables and figures of a paper, written to a folder."""
 
 from __future__ import annotations
 
 import importlib
+from collections.abc import Callable
 from pathlib import Path
 
 from ..errors import ArgumentError, UnknownNameError
 from ..papers import PAPERS
 
 
-def reproduce(name: str, directory: Path, *, force: bool) -> list[Path]:
-    """Write the tables and figures of a paper into a folder and return the files.
+def reproduce(
+    name: str, directory: Path, report: Callable[[str], None], *, force: bool
+) -> list[Path]:
+    """Write the files of a paper into a folder and return their paths.
 
     Raises
     ------
@@ -28,6 +31,5 @@ def reproduce(name: str, directory: Path, *, force: bool) -> list[Path]:
             "output", f"{directory}, which holds files", "an empty or new folder (or --force)"
         )
     module = importlib.import_module(f"..papers.{name}", __package__)
-    directory.mkdir(parents=True, exist_ok=True)
-    files: list[Path] = module.reproduce(directory)
+    files: list[Path] = module.reproduce(directory, report=report)
     return files

@@ -3,34 +3,27 @@
 from __future__ import annotations
 
 import contextlib
-import queue
-import threading
 import time
-from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import __version__
 from ..errors import ArgumentError, UnknownNameError
-from ..io import ResultChunk, ResultLayout, TargetChunk, TargetReader, open_results, read_targets
+from ..io import ResultChunk, ResultLayout, TargetReader, open_results, read_targets
 from ..io.errors import ResultFileError
 from ..io.results import check_result_path
+from ..result import IkResult
 from ..robot import Robot
 from ..tasks import Axis
+from .pipeline import Pipeline, Solve
 from .progress import Progress, Silent
 from .summary import Summary
 
-# A piece is what one call of the solver gets: long enough to keep every core busy, short
-# enough that the bar moves. Rows per file chunk bound the memory.
-PIECE_S = 0.2
-FIRST_PIECE = 64
-LARGEST_PIECE = 65_536
+# Rows that are written in one go; a Parquet file gets a row group of them.
 WRITE_ROWS = 65_536
-QUEUED_PIECES = 4
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 TASKS = ("position", "pose", "axis")
 
@@ -121,8 +114,9 @@ def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str |
 def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summary:
     """Solve every target of a file and write the results.
 
-    Reading and solving run beside writing; results do not depend on the pieces, because the
-    solver is told each piece's first index.
+    Reading, solving and writing overlap, in memory that does not grow with the file (but for
+    NPZ, which is one archive of whole arrays, and for NPY results with text ids). Results do
+    not depend on the pieces, because the solver is told each piece's first index.
 
     Parameters
     ----------
@@ -159,7 +153,7 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
         reader.has_text_ids,
         _metadata(request, robot, task_name),
     )
-    work = _Worker(robot, reader, task, request)
+    work = Pipeline(reader.chunks(), _solver(robot, task, request))
     with open_results(request.output, layout, force=request.force) as writer, progress:
         progress.start(f"{robot.name}, {task_name} task", reader.count)
         if reader.ignored:
@@ -178,6 +172,22 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     summary.solve_s = work.solve_s
     summary.total_s = time.perf_counter() - started
     return summary
+
+
+def _solver(robot: Robot, task: str | Axis, request: SolveRequest) -> Solve:
+    def solve(targets: NDArray[np.float64], first_index: int) -> IkResult:
+        return robot.ik(
+            targets,
+            task=task,
+            solver=request.solver,
+            seed=request.seed,
+            threads=request.threads,
+            position_tolerance=request.position_tolerance,
+            orientation_tolerance=request.orientation_tolerance,
+            first_index=first_index,
+        )
+
+    return solve
 
 
 def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
@@ -202,97 +212,3 @@ def _joined(pieces: list[ResultChunk]) -> ResultChunk:
     return ResultChunk(
         **{name: np.concatenate([getattr(piece, name) for piece in pieces]) for name in names}
     )
-
-
-class _Worker:
-    """Reads and solves in a thread of its own.
-
-    The main thread then only waits, so Ctrl-C is answered at once however long the solver
-    stays in compiled code; the thread is a daemon and does not keep the process alive.
-    """
-
-    def __init__(
-        self, robot: Robot, reader: TargetReader, task: str | Axis, request: SolveRequest
-    ) -> None:
-        self._robot = robot
-        self._reader = reader
-        self._task = task
-        self._request = request
-        self._done: queue.Queue[ResultChunk | BaseException | None] = queue.Queue(QUEUED_PIECES)
-        self._stop = threading.Event()
-        self._size = FIRST_PIECE
-        self.solve_s = 0.0
-
-    def pieces(self) -> Generator[ResultChunk]:
-        """Yield the results in order."""
-        threading.Thread(target=self._run, name="agrik-fast-solve", daemon=True).start()
-        try:
-            while True:
-                try:
-                    # With a time-out, because a bare get() ignores Ctrl-C on Windows.
-                    item = self._done.get(timeout=0.25)
-                except queue.Empty:
-                    continue
-                if item is None:
-                    return
-                if isinstance(item, BaseException):
-                    raise item
-                yield item
-        finally:
-            self._stop.set()
-
-    def _run(self) -> None:
-        try:
-            for chunk in self._reader.chunks():
-                for piece in self._solve(chunk):
-                    self._put(piece)
-                    if self._stop.is_set():
-                        return
-            self._put(None)
-        except BaseException as error:
-            self._put(error)
-
-    def _put(self, item: ResultChunk | BaseException | None) -> None:
-        while not self._stop.is_set():
-            try:
-                self._done.put(item, timeout=0.25)
-            except queue.Full:
-                continue
-            return
-
-    def _solve(self, chunk: TargetChunk) -> Iterator[ResultChunk]:
-        targets = chunk.targets
-        at = 0
-        while at < len(targets):
-            part = slice(at, at + self._size)
-            started = time.perf_counter()
-            piece = self._ik(targets[part], chunk.ids[part], chunk.first + at)
-            took = time.perf_counter() - started
-            self.solve_s += took
-            at += len(piece)
-            fit = int(len(piece) * PIECE_S / max(took, 1e-6))
-            self._size = max(1, min(fit, 8 * self._size, LARGEST_PIECE))
-            yield piece
-
-    def _ik(self, targets: NDArray[np.float64], ids: NDArray[Any], first: int) -> ResultChunk:
-        request = self._request
-        result = self._robot.ik(
-            targets,
-            task=self._task,
-            solver=request.solver,
-            seed=request.seed,
-            threads=request.threads,
-            position_tolerance=request.position_tolerance,
-            orientation_tolerance=request.orientation_tolerance,
-            first_index=first,
-        )
-        return ResultChunk(
-            ids=ids,
-            q=result.q,
-            status=result.status,
-            success=result.success,
-            position_error=result.position_error,
-            orientation_error=result.orientation_error,
-            iterations=result.iterations,
-            restarts=result.restarts,
-        )

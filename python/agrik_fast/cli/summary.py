@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from typing import TextIO
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..io import ResultChunk
 from ..result import Status
+from .spread import Spread
 
 
 @dataclass
@@ -35,17 +35,16 @@ class Summary:
     counts: dict[Status, int] = field(default_factory=lambda: dict.fromkeys(Status, 0))
     total_s: float = 0.0
     solve_s: float = 0.0
-    _position: list[NDArray[np.float32]] = field(default_factory=list, repr=False)
-    _orientation: list[NDArray[np.float32]] = field(default_factory=list, repr=False)
+    _position: Spread = field(default_factory=Spread, repr=False)
+    _orientation: Spread = field(default_factory=Spread, repr=False)
 
     def add(self, chunk: ResultChunk) -> None:
         """Count a chunk; errors are those of solved rows only."""
         for status in Status:
             self.counts[status] += int(np.count_nonzero(chunk.status == status))
-        # Single precision halves what a long batch has to keep for its median.
-        self._position.append(chunk.position_error[chunk.success].astype(np.float32))
+        self._position.add(chunk.position_error[chunk.success])
         if self.with_orientation:
-            self._orientation.append(chunk.orientation_error[chunk.success].astype(np.float32))
+            self._orientation.add(chunk.orientation_error[chunk.success])
 
     @property
     def rows(self) -> int:
@@ -63,12 +62,12 @@ class Summary:
         return self.rows / self.solve_s if self.solve_s > 0.0 else float("nan")
 
     def position_error(self) -> tuple[float, float]:
-        """Return median and worst position error of the solved rows, m; NaN if none."""
-        return _median_and_worst(self._position)
+        """Return median (to 1 %) and worst position error of the solved rows, m; NaN if none."""
+        return self._position.median(), self._position.largest()
 
     def orientation_error(self) -> tuple[float, float]:
-        """Return median and worst orientation error of the solved rows, rad; NaN if none."""
-        return _median_and_worst(self._orientation)
+        """Return median (to 1 %) and worst angle of the solved rows, rad; NaN if none."""
+        return self._orientation.median(), self._orientation.largest()
 
     def cells(self) -> list[str]:
         """Return the texts under `HEADINGS`."""
@@ -103,13 +102,6 @@ HEADINGS = (
     "solves/s",
 )
 _TEXT_COLUMNS = 2
-
-
-def _median_and_worst(parts: Sequence[NDArray[np.float32]]) -> tuple[float, float]:
-    values = np.concatenate(parts) if parts else np.empty(0, dtype=np.float32)
-    if not len(values):
-        return float("nan"), float("nan")
-    return float(np.median(values)), float(values.max())
 
 
 def _scientific(value: float) -> str:

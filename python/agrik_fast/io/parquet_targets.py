@@ -13,6 +13,8 @@ from .columns import ColumnError, match_columns
 from .errors import TargetFileError
 from .targets import DEFAULT_CHUNK, TargetChunk, TargetReader
 
+BUFFER_BYTES = 1 << 20
+
 
 class ParquetReader(TargetReader):
     """A Parquet file with the CSV's columns; nulls count as not finite."""
@@ -48,7 +50,9 @@ class ParquetReader(TargetReader):
 
     def _open(self) -> Any:
         try:
-            return self._parquet.ParquetFile(self.path)
+            # Columns are read piece by piece; otherwise whole row groups would be held, and
+            # a row group may be the whole file.
+            return self._parquet.ParquetFile(self.path, buffer_size=BUFFER_BYTES, pre_buffer=False)
         except self._pyarrow.ArrowInvalid as error:
             raise TargetFileError(self.path, "is not a Parquet file") from error
 

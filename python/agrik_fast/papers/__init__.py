@@ -1,10 +1,10 @@
-"""The papers' tables and figures as functions, one module a paper.
+"""Tables and figures of the papers that the bundled robots come from, one module a paper.
 
-Each module has ``reproduce(directory)``, which writes everything it can reproduce and
-returns the files; ``agrik-fast paper NAME`` calls it. Figures need the extra ``papers``.
+Each has a function ``reproduce(directory)`` that writes its files and returns their paths;
+``agrik-fast paper NAME -o DIR`` calls it. Figures need the extra ``papers``.
 """
 
-PAPERS = ("strawberry", "tomato")
+PAPERS = ("strawberry", "tomato", "redundant7")
 """Names of the papers, each a module here."""
 
 __all__ = ["PAPERS"]

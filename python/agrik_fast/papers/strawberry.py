@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -274,13 +274,15 @@ def experiment_report(runs: Sequence[Experiment]) -> list[str]:
     return lines
 
 
-def reproduce(directory: Path) -> list[Path]:
+def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -> list[Path]:
     """Write table 3, figures 2 and 4-6, table 4's poses and the 24 experiments.
 
     Parameters
     ----------
     directory : Path
-        Existing folder; files of the same names are replaced.
+        Folder, made if need be; files of the same names are replaced.
+    report : callable, optional
+        Told what is being worked on.
 
     Returns
     -------
@@ -289,8 +291,12 @@ def reproduce(directory: Path) -> list[Path]:
     """
     from . import _strawberry_figures as figures
 
+    say = report or (lambda line: None)
+    directory.mkdir(parents=True, exist_ok=True)
     arm = StrawberryArm()
+    say("table 3 and experiments")
     files = _write_tables(directory, arm)
+    say("figures")
     files += figures.figure2(directory)
     poses: dict[str, Column] = {
         "figure4": "as",

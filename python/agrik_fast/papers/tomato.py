@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -287,21 +287,26 @@ def _draw_arm(directory: Path) -> list[Path]:
     return save(drawing, directory, "arm")
 
 
-def reproduce(directory: Path) -> list[Path]:
+def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -> list[Path]:
     """Write table 1, figure 8, the torque table and a picture of the arm.
 
     Parameters
     ----------
     directory : Path
-        Existing folder; files of the same names are replaced.
+        Folder, made if need be; files of the same names are replaced.
+    report : callable, optional
+        Told what is being worked on.
 
     Returns
     -------
     list of Path
         The files.
     """
+    say = report or (lambda line: None)
+    directory.mkdir(parents=True, exist_ok=True)
+    say("table 1")
     rows = table1()
-    report = [
+    text = [
         "# Table 1: published and computed anew",
         "",
         "Settings are fits to the published iterations, start and targets are our choice.",
@@ -314,13 +319,14 @@ def reproduce(directory: Path) -> list[Path]:
         paper = PUBLISHED.get(row.method)
         setting = ", ".join(f"{name} = {value:g}" for name, value in row.settings.items())
         count, time = (paper.iterations, 1000 * paper.milliseconds) if paper else ("", "")
-        report.append(
+        text.append(
             f"| {row.method} | {setting or 'none'} | {row.iterations:.1f} | {count} "
             f"| {row.reached} of {row.of} | {row.microseconds:.2f} | {time} |"
         )
         ours = (row.method, setting, f"{row.iterations:.1f}", count, row.reached, row.of)
         lines.append((*ours, f"{row.microseconds:.3f}", time))
     header = ["method", "setting", "iterations", "published_iterations", "reached", "of"]
+    say("figure 8")
     errors = []
     for method, paper in PUBLISHED.items():
         values = monte_carlo(method)
@@ -329,7 +335,7 @@ def reproduce(directory: Path) -> list[Path]:
     servo_rows = [_servo_row("shoulder, elbow", HD_6001HB), _servo_row("pan", HS_311)]
     return [
         write_csv(directory / "table1.csv", [*header, "us", "published_us"], lines),
-        write_text(directory / "report.md", report),
+        write_text(directory / "report.md", text),
         write_csv(
             directory / "figure8.csv",
             ["method", "mean_percent", "percentile95_percent", "published_percent"],

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use agrik::chain;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyFloat};
 
 use crate::build::{self, DhTable, Frame};
 use crate::convert::{array, transform};
+use crate::follow::{self, Along, Followed};
 use crate::ik::{self, Arguments};
 use crate::result::IkResult;
 use crate::{errors, kinematics};
@@ -22,9 +23,9 @@ impl Chain {
         made.map(|chain| Self(Arc::new(chain))).map_err(|error| errors::from_core(py, error))
     }
 
-    /// The chain of the core.
-    pub fn core(&self) -> &chain::Chain {
-        &self.0
+    /// The core's chain.
+    pub fn core(&self) -> Arc<chain::Chain> {
+        Arc::clone(&self.0)
     }
 
     fn of_variables(&self, pick: impl Fn(&chain::Variable) -> f64) -> Vec<f64> {
@@ -213,5 +214,70 @@ impl Chain {
             first_index,
         };
         ik::solve(py, &self.0, &given)
+    }
+
+    /// Follow a sequence of targets; see `agrik_fast.Robot.follow`.
+    #[pyo3(signature = (
+        targets, max_joint_step, q0=None, pull=None, task=None, seed=None, tool=None,
+        position_tolerance=None, orientation_tolerance=None
+    ))]
+    #[allow(clippy::too_many_arguments)]
+    fn follow<'py>(
+        &self,
+        py: Python<'py>,
+        targets: &Bound<'py, PyAny>,
+        max_joint_step: &Bound<'py, PyAny>,
+        q0: Option<&Bound<'py, PyAny>>,
+        pull: Option<&Bound<'py, PyAny>>,
+        task: Option<&Bound<'py, PyAny>>,
+        seed: Option<&Bound<'py, PyAny>>,
+        tool: Option<&Bound<'py, PyAny>>,
+        position_tolerance: Option<&Bound<'py, PyAny>>,
+        orientation_tolerance: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Followed<'py>> {
+        let given = Arguments {
+            targets,
+            task,
+            solver: None,
+            q0: None,
+            seed,
+            tool,
+            threads: None,
+            position_tolerance,
+            orientation_tolerance,
+            first_index: None,
+        };
+        let usual = PyFloat::new(py, 0.5).into_any();
+        let along = Along { q0, max_joint_step, pull: pull.unwrap_or(&usual) };
+        follow::follow(py, &self.0, &given, &along)
+    }
+
+    /// Return the best cost of a population solver's first run, generation by generation.
+    #[pyo3(signature = (target, solver, task=None, q0=None, seed=None, tool=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn cost_history<'py>(
+        &self,
+        py: Python<'py>,
+        target: &Bound<'py, PyAny>,
+        solver: &Bound<'py, PyAny>,
+        task: Option<&Bound<'py, PyAny>>,
+        q0: Option<&Bound<'py, PyAny>>,
+        seed: Option<&Bound<'py, PyAny>>,
+        tool: Option<&Bound<'py, PyAny>>,
+    ) -> Array<'py> {
+        let given = Arguments {
+            targets: target,
+            task,
+            solver: Some(solver),
+            q0,
+            seed,
+            tool,
+            threads: None,
+            position_tolerance: None,
+            orientation_tolerance: None,
+            first_index: None,
+        };
+        let costs = ik::cost_history(py, &self.0, &given)?;
+        array(py, &[costs.len()], costs)
     }
 }

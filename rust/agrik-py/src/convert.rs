@@ -7,7 +7,7 @@ use numpy::{
     Element, PyArray, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
     PyUntypedArray, PyUntypedArrayMethods,
 };
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBool, PyFloat, PyInt};
@@ -66,7 +66,11 @@ pub fn numbers<'py>(
     let array = match value.cast_exact::<PyUntypedArray>() {
         Ok(array) => array.clone(),
         Err(_) => {
-            let made = ASARRAY.import(py, "numpy", "asarray")?.call1((value,)).map_err(|_| {
+            let made = ASARRAY.import(py, "numpy", "asarray")?.call1((value,));
+            let made = made.map_err(|error| {
+                if !error.is_instance_of::<PyValueError>(py) {
+                    return error;
+                }
                 errors::argument(py, argument, "rows of unequal length", "an array of numbers")
             })?;
             made.cast_into::<PyUntypedArray>()?

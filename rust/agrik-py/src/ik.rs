@@ -8,15 +8,18 @@ use std::time::{Duration, Instant};
 
 use agrik::batch;
 use agrik::chain::{Chain, Tail};
-use agrik::solve::{Plan, Settings, Starts, Tolerance};
+use agrik::lanes::Level;
+use agrik::solve::population::Evolution;
+use agrik::solve::{Answers, Plan, Settings, Solve, Starts, Tolerance};
 use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
 use crate::convert::{self, Floats, numbers, shape_text, transform};
 use crate::result::IkResult;
+use crate::solver::{self, Chosen};
 use crate::targets::{Targets, first_not_rigid, goals, not_rigid_error};
-use crate::{errors, solver, task, threads};
+use crate::{errors, task, threads};
 
 /// Time between two looks at pending signals of a call that has released the interpreter
 /// and has to wait for it each time. Results do not depend on it.
@@ -42,7 +45,7 @@ pub struct Arguments<'a, 'py> {
 /// What the targets of a call share.
 struct Options {
     wanted: task::Wanted,
-    settings: Settings,
+    solver: Chosen,
     tolerance: Tolerance,
     tail: Option<Tail>,
     seed: u64,
@@ -68,7 +71,7 @@ impl Options {
         };
         Ok(Self {
             wanted: task::wanted(given.task, are_poses)?,
-            settings: solver::settings(given.solver)?,
+            solver: solver::chosen(given.solver, chain.name())?,
             tolerance,
             tail,
             seed: index("seed", given.seed)?,
@@ -120,62 +123,127 @@ impl<'py> Given<'py> {
     }
 }
 
+/// A call's arguments in memory of their own, checked, from which its plan is made.
+pub struct Call<'py> {
+    pub targets: Targets<'py>,
+    options: Options,
+    q0: Given<'py>,
+}
+
+impl<'py> Call<'py> {
+    pub fn new(py: Python<'py>, chain: &Chain, given: &Arguments<'_, 'py>) -> PyResult<Self> {
+        let targets = Targets::new(given.targets)?;
+        let are_poses = targets.are_poses();
+        let options = Options::new(chain, given, are_poses)?;
+        let leading = targets.leading_shape();
+        let q0 = Given::new(given.q0, leading, chain.dof())?;
+        if are_poses {
+            let poses: &[[f64; 16]] = targets.values()?.as_chunks().0;
+            // Reading a long batch takes a while, during which others may run.
+            let found = if poses.len() > 1 {
+                py.detach(|| first_not_rigid(poses))
+            } else {
+                first_not_rigid(poses)
+            };
+            if let Some(row) = found {
+                return Err(not_rigid_error(py, leading, row, &poses[row]));
+            }
+        }
+        Ok(Self { targets, options, q0 })
+    }
+
+    pub fn plan<'a>(
+        &'a self,
+        py: Python<'_>,
+        chain: &'a Chain,
+        points: &'a mut Vec<[f64; 3]>,
+    ) -> PyResult<Plan<'a>> {
+        let options = &self.options;
+        let settings = match &options.solver {
+            Chosen::Step(settings) => settings.clone(),
+            Chosen::Population(_) => Settings::LEVENBERG_MARQUARDT,
+        };
+        let direction = options.wanted.direction;
+        let are_poses = self.targets.are_poses();
+        Plan::new(
+            chain,
+            options.wanted.task,
+            settings,
+            options.tolerance,
+            goals(self.targets.values()?, are_poses, direction, points),
+            self.q0.starts()?,
+            options.tail,
+            options.seed,
+            options.first_index,
+        )
+        .map_err(|error| errors::from_core(py, error))
+    }
+}
+
 /// Solves the targets of a call.
 pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResult<IkResult> {
-    let targets = Targets::new(given.targets)?;
-    let are_poses = targets.are_poses();
-    let options = Options::new(chain, given, are_poses)?;
-    let leading = targets.leading_shape();
-    let q0 = Given::new(given.q0, leading, chain.dof())?;
-
-    let values = targets.values()?;
-    if are_poses {
-        let poses: &[[f64; 16]] = values.as_chunks().0;
-        // Reading a long batch takes a while, during which others may run.
-        let found = if poses.len() > 1 {
-            py.detach(|| first_not_rigid(poses))
-        } else {
-            first_not_rigid(poses)
-        };
-        if let Some(row) = found {
-            return Err(not_rigid_error(py, leading, row, &poses[row]));
-        }
-    }
+    let call = Call::new(py, chain, given)?;
     let mut points = Vec::new();
-    let direction = options.wanted.direction;
-    let plan = Plan::new(
-        chain,
-        options.wanted.task,
-        options.settings,
-        options.tolerance,
-        goals(values, are_poses, direction, &mut points),
-        q0.starts()?,
-        options.tail,
-        options.seed,
-        options.first_index,
-    )
-    .map_err(|error| errors::from_core(py, error))?;
-
+    let plan = call.plan(py, chain, &mut points)?;
+    let leading = call.targets.leading_shape().to_vec();
+    let threads = call.options.threads;
     let mut signals = Signals::new();
-    let answers = if plan.len() <= 1 {
-        batch::solve(&plan, 1, &mut || signals.go_on_attached(py))
-    } else {
-        py.detach(|| batch::solve(&plan, options.threads, &mut || signals.go_on_detached()))
+    let answers = match &call.options.solver {
+        Chosen::Step(_) if plan.len() <= 1 => {
+            batch::solve(&plan, 1, &mut || signals.go_on_attached(py))
+        }
+        Chosen::Step(_) => detached(py, &plan, threads, &mut signals),
+        Chosen::Population(settings) => {
+            let evolution =
+                Evolution::new(plan, *settings).map_err(|error| errors::from_core(py, error))?;
+            detached(py, &evolution, threads, &mut signals)
+        }
     };
     match answers {
-        Ok(answers) => Ok(IkResult::new(leading.to_vec(), chain.dof(), answers)),
+        Ok(answers) => Ok(IkResult::new(leading, chain.dof(), answers)),
         Err(error) => Err(signals.raised.unwrap_or_else(|| errors::from_core(py, error))),
     }
 }
 
+fn detached(
+    py: Python<'_>,
+    call: &impl Solve,
+    threads: usize,
+    signals: &mut Signals,
+) -> agrik::Result<Answers> {
+    py.detach(|| batch::solve(call, threads, &mut || signals.go_on_detached()))
+}
+
+/// The best cost of the first run of a population solver, generation by generation, for
+/// the first target of a call.
+pub fn cost_history(
+    py: Python<'_>,
+    chain: &Chain,
+    given: &Arguments<'_, '_>,
+) -> PyResult<Vec<f64>> {
+    let call = Call::new(py, chain, given)?;
+    let mut points = Vec::new();
+    let plan = call.plan(py, chain, &mut points)?;
+    let Chosen::Population(settings) = call.options.solver else {
+        return Err(errors::argument(py, "solver", "a step solver", "a population solver"));
+    };
+    if plan.len() != 1 {
+        let received = format!("{} targets", plan.len());
+        return Err(errors::argument(py, "targets", &received, "one target"));
+    }
+    Evolution::new(plan, settings)
+        .and_then(|evolution| py.detach(|| evolution.trace(Level::in_use(), 0)))
+        .map_err(|error| errors::from_core(py, error))
+}
+
 /// Asks Python from time to time whether a signal (Ctrl-C) ends the call.
-struct Signals {
+pub struct Signals {
     last: Instant,
-    raised: Option<PyErr>,
+    pub raised: Option<PyErr>,
 }
 
 impl Signals {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self { last: Instant::now(), raised: None }
     }
 
@@ -188,7 +256,7 @@ impl Signals {
     }
 
     /// For a call that has released the interpreter.
-    fn go_on_detached(&mut self) -> bool {
+    pub fn go_on_detached(&mut self) -> bool {
         !self.is_due(DETACHED_PERIOD) || Python::attach(|py| self.check(py))
     }
 

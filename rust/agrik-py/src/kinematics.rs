@@ -1,7 +1,7 @@
 //! Forward kinematics and Jacobians of arrays of joint values.
 
 use agrik::chain::Chain;
-use agrik::kinematics::{Workspace, forward, tool_jacobian};
+use agrik::kinematics::{tool_jacobians, tool_poses};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -9,6 +9,8 @@ use crate::convert::{Floats, array, numbers, wrong_shape};
 
 /// Rows from which on the interpreter is released.
 const MANY: usize = 256;
+/// Rows between two looks at pending signals (Ctrl-C), a few hundredths of a second.
+const BETWEEN_SIGNAL_CHECKS: usize = 32_768;
 
 /// Joint values of an argument, in memory of our own.
 enum JointValues<'py> {
@@ -20,6 +22,7 @@ impl<'py> JointValues<'py> {
     fn new(q: &Bound<'py, PyAny>, dof: usize) -> PyResult<Self> {
         if let Ok(one) = q.cast::<PyArray1<f64>>()
             && one.len() == dof
+            && one.is_aligned()
         {
             return Ok(Self::Lone((0..dof).filter_map(|i| one.get_owned(i)).collect()));
         }
@@ -48,12 +51,12 @@ impl<'py> JointValues<'py> {
     }
 }
 
-/// Computes one answer of `size` numbers for each row of `q`.
+/// One answer for each row of `q`; `compute` gets many rows and room for their answers.
 fn for_each_row<'py>(
     q: &Bound<'py, PyAny>,
     chain: &Chain,
     answer: &[usize],
-    compute: impl Fn(&[f64], &mut Workspace<f64>, &mut [f64]) + Sync,
+    compute: impl Fn(&[f64], &mut [f64]) + Sync,
 ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let py = q.py();
     let q = JointValues::new(q, chain.dof())?;
@@ -61,30 +64,22 @@ fn for_each_row<'py>(
     let values = q.values()?;
     let size: usize = answer.iter().product();
     let rows = values.len() / chain.dof();
-    let run = || {
-        let mut out = vec![0.0; rows * size];
-        let mut workspace = Workspace::new(chain.compiled());
-        for (q, out) in values.chunks_exact(chain.dof()).zip(out.chunks_exact_mut(size)) {
-            compute(q, &mut workspace, out);
+    let mut out = vec![0.0; rows * size];
+    if rows < MANY {
+        compute(values, &mut out);
+    } else {
+        let parts = out.chunks_mut(BETWEEN_SIGNAL_CHECKS * size);
+        for (values, out) in values.chunks(BETWEEN_SIGNAL_CHECKS * chain.dof()).zip(parts) {
+            py.detach(|| compute(values, out));
+            py.check_signals()?;
         }
-        out
-    };
-    let out = if rows < MANY { run() } else { py.detach(run) };
+    }
     array(py, &shape, out)
 }
 
 /// Tool poses, shape (..., 4, 4).
 pub fn fk<'py>(chain: &Chain, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-    let compiled = chain.compiled();
-    for_each_row(q, chain, &[4, 4], |q, workspace, out| {
-        forward(compiled, q, workspace);
-        let axes = workspace.tool_axes(&compiled.tail.rotation);
-        let point = workspace.tool_point(compiled.tail.translation);
-        for i in 0..3 {
-            out[4 * i..4 * i + 4].copy_from_slice(&[axes[0][i], axes[1][i], axes[2][i], point[i]]);
-        }
-        out[12..16].copy_from_slice(&[0.0, 0.0, 0.0, 1.0]);
-    })
+    for_each_row(q, chain, &[4, 4], |q, out| tool_poses(chain, q, out))
 }
 
 /// Poses of all links and the tool, shape (..., links, 4, 4).
@@ -93,10 +88,13 @@ pub fn fk_links<'py>(
     q: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let links = chain.joints().len() + 1;
-    for_each_row(q, chain, &[links, 4, 4], |q, _, out| {
-        for (pose, out) in chain.link_poses(q).iter().zip(out.chunks_exact_mut(16)) {
-            // The core stores columns.
-            out.copy_from_slice(pose.transpose().as_slice());
+    for_each_row(q, chain, &[links, 4, 4], |q, out| {
+        let rows = q.chunks_exact(chain.dof()).zip(out.chunks_exact_mut(16 * links));
+        for (q, out) in rows {
+            for (pose, out) in chain.link_poses(q).iter().zip(out.chunks_exact_mut(16)) {
+                // The core stores columns.
+                out.copy_from_slice(pose.transpose().as_slice());
+            }
         }
     })
 }
@@ -106,7 +104,5 @@ pub fn jacobian<'py>(
     chain: &Chain,
     q: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-    for_each_row(q, chain, &[6, chain.dof()], |q, workspace, out| {
-        tool_jacobian(chain, q, workspace, out);
-    })
+    for_each_row(q, chain, &[6, chain.dof()], |q, out| tool_jacobians(chain, q, out))
 }

@@ -5,8 +5,11 @@ mod build;
 mod chain;
 mod convert;
 mod errors;
+mod follow;
+mod gains;
 mod ik;
 mod kinematics;
+mod population;
 mod result;
 mod solver;
 mod strawberry;
@@ -14,6 +17,7 @@ mod targets;
 mod task;
 mod threads;
 mod tomato;
+mod tune;
 
 use pyo3::prelude::*;
 
@@ -34,10 +38,13 @@ mod _native {
     use threads::{get_num_threads, set_num_threads, simd_level};
     #[pymodule_export]
     use tomato::{TomatoArm, ik_paced};
+    #[pymodule_export]
+    use tune::Tuner;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-        errors::warn_of_debug_build(module.py())
+        errors::warn_of_debug_build(module.py())?;
+        threads::warn_of_unmet_wish(module.py())
     }
 }

@@ -3,11 +3,11 @@
 use std::sync::{Mutex, PoisonError};
 
 use agrik::solve::{Answers, Status};
-use numpy::{Element, PyArrayDyn, PyArrayMethods};
+use numpy::{Element, PyArrayDyn};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-use crate::convert::{array, internal};
+use crate::convert::array;
 
 /// Numbers that become an array, once, by handing over their memory.
 struct Column<T> {
@@ -38,10 +38,10 @@ pub struct IkResult {
     shape: Vec<usize>,
     dof: usize,
     /// Rows by status.
-    counts: [usize; 4],
+    counts: [usize; 6],
     q: Column<f64>,
     status: Column<u8>,
-    success: PyOnceLock<Py<PyArrayDyn<bool>>>,
+    success: Column<bool>,
     position_error: Column<f64>,
     orientation_error: Column<f64>,
     iterations: Column<u32>,
@@ -51,19 +51,21 @@ pub struct IkResult {
 impl IkResult {
     /// The record of answers to targets of a leading shape.
     pub fn new(shape: Vec<usize>, dof: usize, answers: Answers) -> Self {
-        let mut counts = [0; 4];
+        let mut counts = [0; 6];
         for status in &answers.status {
             if let Some(count) = counts.get_mut(usize::from(*status)) {
                 *count += 1;
             }
         }
+        // Made here, since the status array is the user's to write to once it is out.
+        let success = answers.status.iter().map(|s| *s == Status::Converged as u8).collect();
         Self {
             shape,
             dof,
             counts,
             q: Column::new(answers.q),
             status: Column::new(answers.status),
-            success: PyOnceLock::new(),
+            success: Column::new(success),
             position_error: Column::new(answers.position_error),
             orientation_error: Column::new(answers.orientation_error),
             iterations: Column::new(answers.iterations),
@@ -85,13 +87,7 @@ impl IkResult {
     /// True only where a final FK check met the tolerances and the limits.
     #[getter]
     fn success<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<bool>>> {
-        let made = self.success.get_or_try_init(py, || {
-            let status = self.status(py)?.try_readonly().map_err(internal)?;
-            let status = status.as_slice().map_err(internal)?;
-            let success = status.iter().map(|s| *s == Status::Converged as u8).collect();
-            Ok::<_, PyErr>(array(py, &self.shape, success)?.unbind())
-        })?;
-        Ok(made.bind(py).clone())
+        self.success.get(py, &self.shape)
     }
 
     /// Codes of `agrik_fast.Status`.
@@ -125,7 +121,8 @@ impl IkResult {
     }
 
     fn __repr__(&self) -> String {
-        let names = ["converged", "out of reach", "not found", "bad input"];
+        let names =
+            ["converged", "out of reach", "not found", "bad input", "stalled", "non-finite"];
         let parts: Vec<String> = self
             .counts
             .iter()

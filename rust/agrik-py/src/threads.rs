@@ -1,5 +1,9 @@
 //! Threads and instruction sets of batch calls.
 
+use std::ffi::CString;
+
+use agrik::lanes::{Level, VARIABLE};
+use pyo3::exceptions::PyRuntimeWarning;
 use pyo3::prelude::*;
 
 use crate::convert::whole;
@@ -25,7 +29,25 @@ pub fn get_num_threads() -> usize {
 /// Return the instruction set that the batch loops use on this machine.
 #[pyfunction]
 pub fn simd_level() -> &'static str {
-    agrik::lanes::Level::in_use().name()
+    Level::in_use().name()
+}
+
+/// Warns who asks the environment for an instruction set that this machine lacks or that
+/// nobody has heard of: the call would silently be another one than was meant.
+pub fn warn_of_unmet_wish(py: Python<'_>) -> PyResult<()> {
+    let Some(wish) = Level::unmet_wish() else { return Ok(()) };
+    let available = Level::ALL.iter().filter(|level| level.is_available());
+    let names: Vec<_> = available.map(|level| level.name()).collect();
+    let message = format!(
+        "environment variable {VARIABLE}: expected one of {} on this machine, got {wish:?}; \
+         using {}",
+        names.join(", "),
+        Level::in_use().name(),
+    );
+    let category = py.get_type::<PyRuntimeWarning>();
+    // Debug formatting has no zero bytes.
+    let message = CString::new(message).unwrap_or_default();
+    PyErr::warn(py, &category, &message, 1)
 }
 
 /// A number of threads as the core takes it: 0 where the caller does not say.

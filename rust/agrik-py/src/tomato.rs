@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use agrik::batch;
 use agrik::closed_form::tomato::{Arm, Joints};
-use agrik::solve::{Goals, Pace, Plan, Settings, Starts, Step, Tolerance};
+use agrik::solve::{Goals, Pace, Plan, Settings, StartRule, Starts, Step, Tolerance};
 use agrik::task::Task;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
@@ -146,13 +146,16 @@ pub fn ik_paced(
         step,
         max_iterations,
         max_restarts: 0,
-        // The paper's loop does not shorten steps.
-        max_step: 1e9,
+        // The paper's loop does not shorten steps, and counts them as they are.
+        max_step: f64::MAX,
+        plain: true,
+        start: StartRule::Zero,
         pace: step_length.map_or(Pace::Share(gain), Pace::Length),
     };
     let (floats, leading) = rows::<3>("targets", targets)?;
     let (q0, _) = rows::<3>("q0", q0)?;
-    let chain = chain.core();
+    let core = chain.core();
+    let chain = core.as_ref();
     let starts = q0.values()?;
     let plan = Plan::new(
         chain,

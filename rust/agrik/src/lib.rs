@@ -13,7 +13,6 @@ pub mod kinematics;
 pub mod lanes;
 pub mod solve;
 pub mod task;
-
-
+pub mod tune;
 
 pub use error::{Error, Result};

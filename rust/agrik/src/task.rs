@@ -4,7 +4,7 @@
 //! half a turn; they are scaled by a length per radian so that they can stand beside
 //! metres in one sum of squares. Tolerances apply to the unscaled errors.
 
-use crate::chain::{Compiled, Tail};
+use crate::chain::Tail;
 use crate::error::{Error, Result};
 use crate::kinematics::Workspace;
 use crate::lanes::{Real, V3, angle_over_sine, axpy, cross, dot, scale, select3, sub};
@@ -124,6 +124,8 @@ pub struct TaskError<R, const M: usize> {
 
 /// A task as `M` rows over the number type `R`.
 pub trait Rows<R: Real, const M: usize>: Copy {
+    /// The error depends on how the tool is turned, not on its point alone.
+    const ORIENTS: bool;
     /// Error of the workspace's configuration.
     fn error(&self, at: &Workspace<R>, tool: V3<R>, goal: &Goal<R>) -> TaskError<R, M>;
     /// A column of the 6-row Jacobian as a column of the task's Jacobian.
@@ -135,6 +137,7 @@ pub trait Rows<R: Real, const M: usize>: Copy {
 pub struct PositionRows;
 
 impl<R: Real> Rows<R, 3> for PositionRows {
+    const ORIENTS: bool = false;
     #[inline(always)]
     fn error(&self, _at: &Workspace<R>, tool: V3<R>, goal: &Goal<R>) -> TaskError<R, 3> {
         let rows = sub(goal.position, tool);
@@ -154,6 +157,7 @@ pub struct PoseRows {
 }
 
 impl<R: Real> Rows<R, 6> for PoseRows {
+    const ORIENTS: bool = true;
     #[inline(always)]
     fn error(&self, at: &Workspace<R>, tool: V3<R>, goal: &Goal<R>) -> TaskError<R, 6> {
         let p = sub(goal.position, tool);
@@ -182,6 +186,7 @@ pub struct AxisRows {
 }
 
 impl<R: Real> Rows<R, 5> for AxisRows {
+    const ORIENTS: bool = true;
     #[inline(always)]
     fn error(&self, at: &Workspace<R>, tool: V3<R>, goal: &Goal<R>) -> TaskError<R, 5> {
         let p = sub(goal.position, tool);
@@ -249,6 +254,7 @@ impl MaskedRows {
 }
 
 impl<R: Real> Rows<R, 6> for MaskedRows {
+    const ORIENTS: bool = true;
     #[inline(always)]
     fn error(&self, at: &Workspace<R>, tool: V3<R>, goal: &Goal<R>) -> TaskError<R, 6> {
         let p = self.in_frame(at, sub(goal.position, tool));
@@ -360,7 +366,6 @@ pub fn axis_goal(position: [f64; 3], direction: [f64; 3]) -> Goal<f64> {
 }
 
 /// A length per radian that puts rotation rows beside metres: a share of the robot's size.
-pub fn rotation_scale(chain: &Compiled, reach: f64) -> f64 {
-    debug_assert!(!chain.links.is_empty());
+pub fn rotation_scale(reach: f64) -> f64 {
     0.3 * reach
 }

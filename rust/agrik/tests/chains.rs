@@ -11,11 +11,7 @@ use nalgebra::{IsometryMatrix3, Matrix4, Rotation3, Translation3, Vector3};
 use proptest::prelude::*;
 
 fn config() -> ProptestConfig {
-    ProptestConfig {
-        cases: 1000,
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
+    ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() }
 }
 
 /// Largest difference of two poses, lengths relative to `size`.
@@ -191,10 +187,7 @@ fn an_axis_close_to_z_keeps_its_tilt() {
             let mut workspace = Workspace::new(chain.compiled());
             let tool = tool_pose(&chain, &q, &mut workspace);
             let exact = plain_poses(&chain, &q)[1];
-            assert!(
-                difference(&tool, &exact, 1.0) < 1e-15 * 8.0,
-                "tilt {tilt:e}"
-            );
+            assert!(difference(&tool, &exact, 1.0) < 1e-15 * 8.0, "tilt {tilt:e}");
         }
     }
 }

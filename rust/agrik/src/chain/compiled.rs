@@ -120,9 +120,15 @@ fn alignment(axis: &Vector3<f64>) -> IsometryMatrix3<f64> {
     let [x, y, z] = up.into();
     let k = 1.0 / (1.0 + z);
     let turn = Matrix3::new(
-        1.0 - x * x * k, -x * y * k, x, //
-        -x * y * k, 1.0 - y * y * k, y, //
-        -x, -y, z,
+        1.0 - x * x * k,
+        -x * y * k,
+        x, //
+        -x * y * k,
+        1.0 - y * y * k,
+        y, //
+        -x,
+        -y,
+        z,
     );
     let flip = if axis[2] < 0.0 { -1.0 } else { 1.0 };
     let flip = Matrix3::from_diagonal(&Vector3::new(1.0, flip, flip));
@@ -142,9 +148,9 @@ impl Compiled {
         let mut links: Vec<Link> = Vec::new();
         let mut start = IsometryMatrix3::identity();
         for joint in joints {
-            pending = pending * joint.origin;
+            pending *= joint.origin;
             if joint.kind == JointKind::Fixed {
-                pending = pending * joint.after;
+                pending *= joint.after;
                 continue;
             }
             let align = alignment(&joint.axis);
@@ -228,11 +234,8 @@ fn connect(previous: &mut Link, next: &mut Link, constant: &IsometryMatrix3<f64>
         previous.theta += phi;
         previous.a = snap(t.dot(&normal));
         previous.d = snap(previous.d + t[2] - e * axis[2]);
-        previous.twist = if axis[2].abs() < 1e-15 {
-            Twist::Quarter
-        } else {
-            Twist::Angle(sine, axis[2])
-        };
+        previous.twist =
+            if axis[2].abs() < 1e-15 { Twist::Quarter } else { Twist::Angle(sine, axis[2]) };
         next.d += snap(e);
         let turned = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[
             normal,

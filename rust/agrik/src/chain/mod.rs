@@ -42,6 +42,7 @@ pub struct Chain {
     variables: Vec<Variable>,
     compiled: Compiled,
     reach: Reach,
+    last_joint_reach: Option<Reach>,
     postures: OnceLock<Postures>,
 }
 
@@ -67,6 +68,7 @@ impl Chain {
         }
         let compiled = Compiled::new(&base, &joints, &tool, &variables)?;
         let reach = Reach::new(&compiled, &variables);
+        let last_joint_reach = Reach::of_last_joint(&compiled, &variables);
         Ok(Self {
             name: name.into(),
             base,
@@ -75,6 +77,7 @@ impl Chain {
             variables,
             compiled,
             reach,
+            last_joint_reach,
             postures: OnceLock::new(),
         })
     }
@@ -139,6 +142,11 @@ impl Chain {
         &self.reach
     }
 
+    /// Proven bounds of where the last joint can be; `None` for a chain that ends in a slide.
+    pub fn last_joint_reach(&self) -> Option<&Reach> {
+        self.last_joint_reach.as_ref()
+    }
+
     /// The table of sampled postures, made by `build` when it is first asked for.
     pub fn postures(&self, build: impl FnOnce(&Self) -> Postures) -> &Postures {
         self.postures.get_or_init(|| build(self))
@@ -157,9 +165,7 @@ impl Chain {
         for joint in &self.joints {
             let value = match (&joint.mimic, joint.kind) {
                 (_, JointKind::Fixed) => 0.0,
-                (Some(m), _) => {
-                    index_of(&m.source).map_or(0.0, |i| m.multiplier * q[i] + m.offset)
-                }
+                (Some(m), _) => index_of(&m.source).map_or(0.0, |i| m.multiplier * q[i] + m.offset),
                 (None, _) => index_of(&joint.name).map_or(0.0, |i| q[i]),
             };
             pose = pose * joint.origin * compiled::motion(joint, value) * joint.after;

@@ -6,6 +6,8 @@
 /// rate at which a window of the table is searched.
 #[derive(Debug, Clone, Default)]
 pub struct Postures {
+    /// Lower end and width of what each joint value is drawn from, rad or m.
+    pub ranges: Vec<(f64, f64)>,
     /// Joint values, `dof` a posture.
     pub q: Vec<f64>,
     /// Position (3 rows), then the axes x, y, z (3 rows each) of the last joint's frame.

@@ -192,8 +192,12 @@ impl Interval {
         Self { lower: a.min(b), upper: a.max(b) }
     }
     fn mul(self, o: Self) -> Self {
-        let products =
-            [self.lower * o.lower, self.lower * o.upper, self.upper * o.lower, self.upper * o.upper];
+        let products = [
+            self.lower * o.lower,
+            self.lower * o.upper,
+            self.upper * o.lower,
+            self.upper * o.upper,
+        ];
         Self {
             lower: products.iter().copied().fold(f64::INFINITY, f64::min),
             upper: products.iter().copied().fold(f64::NEG_INFINITY, f64::max),
@@ -207,7 +211,8 @@ impl Interval {
     fn cos_shifted(self, shift: f64) -> Self {
         use std::f64::consts::{PI, TAU};
         let (a, b) = (self.lower - shift, self.upper - shift);
-        if !(b - a < TAU) {
+        // Unbounded joints give an infinite width, or none at all.
+        if (b - a).is_nan() || b - a >= TAU {
             return Self { lower: -1.0, upper: 1.0 };
         }
         let (ca, cb) = (a.cos(), b.cos());

@@ -1,7 +1,7 @@
 //! The pass from base to tool: one sine and cosine per joint, nothing allocated.
 
 use crate::chain::{Compiled, Twist};
-use crate::lanes::{Real, V3, axpy, blend, negate, scale, splat3};
+use crate::lanes::{Real, V3, axpy, blend, cross, dot, negate, scale, splat3, sub};
 
 /// Where a joint stands: a point on its axis and the axis, both in the world.
 #[derive(Debug, Clone, Copy)]
@@ -10,6 +10,23 @@ pub struct Axis<R> {
     pub origin: V3<R>,
     /// Unit vector along the axis.
     pub direction: V3<R>,
+}
+
+impl<R: Real> Axis<R> {
+    /// A direction turned about the axis by the angle of a sine and cosine (Rodrigues).
+    #[inline(always)]
+    pub fn turned(&self, v: V3<R>, sine: R, cosine: R) -> V3<R> {
+        let a = self.direction;
+        let along = dot(a, v) * (R::splat(1.0) - cosine);
+        axpy(a, along, blend(v, cosine, cross(a, v), sine))
+    }
+
+    /// A point turned about the axis by the angle of a sine and cosine.
+    #[inline(always)]
+    pub fn turned_point(&self, p: V3<R>, sine: R, cosine: R) -> V3<R> {
+        let turned = self.turned(sub(p, self.origin), sine, cosine);
+        axpy(self.origin, R::splat(1.0), turned)
+    }
 }
 
 /// Buffers of one evaluation, sized once for a chain and used again and again.
@@ -51,6 +68,14 @@ impl<R: Real> Workspace<R> {
         [self.x, self.y, self.z]
     }
 
+    /// Replaces the axes of the last moved joint's frame.
+    #[inline(always)]
+    pub fn set_joint_axes(&mut self, [x, y, z]: [V3<R>; 3]) {
+        self.x = x;
+        self.y = y;
+        self.z = z;
+    }
+
     /// Axes (columns) of a tool frame given by its columns in the last joint's frame.
     #[inline(always)]
     pub fn tool_axes(&self, columns: &[[f64; 3]; 3]) -> [V3<R>; 3] {
@@ -73,12 +98,25 @@ fn turn<R: Real>(axes: [V3<R>; 3], t: [f64; 3]) -> V3<R> {
 /// workspace with the axes of all moving joints and the frame of the last one.
 #[inline(always)]
 pub fn forward<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
+    pass::<R, true>(chain, q, workspace);
+}
+
+/// [`forward`] for those who need the last frame alone: the axes are left as they were.
+#[inline(always)]
+pub fn forward_frame<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
+    pass::<R, false>(chain, q, workspace);
+}
+
+#[inline(always)]
+fn pass<R: Real, const AXES: bool>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
     let start = &chain.start_rotation;
     let (mut x, mut y, mut z) =
         (splat3::<R>(start[0]), splat3::<R>(start[1]), splat3::<R>(start[2]));
     let mut p = splat3::<R>(chain.start_position);
     for (link, axis) in chain.links.iter().zip(&mut workspace.axes) {
-        *axis = Axis { origin: p, direction: z };
+        if AXES {
+            *axis = Axis { origin: p, direction: z };
+        }
         let value = if chain.simple {
             q[link.variable]
         } else {
@@ -92,10 +130,11 @@ pub fn forward<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>)
             (s, c, R::splat(link.d))
         };
         (x, y) = (blend(x, c, y, s), blend(y, c, x, -s));
-        if link.prismatic || link.d != 0.0 {
+        // Asked of the bits, which costs less than asking of the numbers.
+        if link.prismatic || link.d.to_bits() != 0 {
             p = axpy(z, along, p);
         }
-        if link.a != 0.0 {
+        if link.a.to_bits() != 0 {
             p = axpy(x, R::splat(link.a), p);
         }
         match link.twist {

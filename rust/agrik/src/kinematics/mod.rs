@@ -1,9 +1,11 @@
 //! Forward kinematics and the geometric Jacobian over any number type.
 
+mod batch;
 mod fk;
 mod jacobian;
 
-pub use fk::{Workspace, forward};
+pub use batch::{tool_jacobians, tool_poses};
+pub use fk::{Workspace, forward, forward_frame};
 pub use jacobian::columns;
 
 use nalgebra::{Matrix3, Matrix4, Vector3};

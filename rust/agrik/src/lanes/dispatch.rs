@@ -55,6 +55,14 @@ impl Level {
         }
     }
 
+    /// What [`VARIABLE`] holds where that is no level of this machine: such a wish is not
+    /// met, and the bindings say so.
+    pub fn unmet_wish() -> Option<String> {
+        let wanted = std::env::var(VARIABLE).unwrap_or_default();
+        let met = |level: &Self| level.name() == wanted.trim() && level.is_available();
+        (!wanted.trim().is_empty() && !Self::ALL.iter().any(met)).then_some(wanted)
+    }
+
     /// The level in use: the one that [`VARIABLE`] names if the machine has it, else the
     /// highest that the machine has.
     pub fn in_use() -> Self {

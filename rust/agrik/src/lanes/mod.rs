@@ -13,8 +13,9 @@ mod trig;
 mod x86;
 
 pub use array::Pack;
-pub use dispatch::{Kernel, Level, dispatch, dispatch_single};
-pub(crate) use trig::angle_over_sine;
+pub use dispatch::{Kernel, Level, VARIABLE, dispatch, dispatch_single};
+pub use trig::sin_cos_by_quadrant;
+pub(crate) use trig::{angle_of, angle_over_sine};
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -44,6 +45,16 @@ pub trait Real:
     fn lane(&self, index: usize) -> f64;
     /// Replaces the number in lane `index` (below [`Real::WIDTH`]).
     fn set_lane(&mut self, index: usize, value: f64);
+
+    /// The first [`Real::WIDTH`] numbers of a slice, which holds at least as many.
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        let mut loaded = Self::splat(0.0);
+        for (lane, x) in from[..Self::WIDTH].iter().enumerate() {
+            loaded.set_lane(lane, *x);
+        }
+        loaded
+    }
 
     /// `self * a + b`, fused where the hardware level has it.
     fn mul_add(self, a: Self, b: Self) -> Self;
@@ -132,11 +143,7 @@ pub fn negate<R: Real>(a: V3<R>) -> V3<R> {
 /// `a` where the mask holds, else `b`.
 #[inline(always)]
 pub fn select3<R: Real>(mask: R::Mask, a: V3<R>, b: V3<R>) -> V3<R> {
-    [
-        R::select(mask, a[0], b[0]),
-        R::select(mask, a[1], b[1]),
-        R::select(mask, a[2], b[2]),
-    ]
+    [R::select(mask, a[0], b[0]), R::select(mask, a[1], b[1]), R::select(mask, a[2], b[2])]
 }
 
 /// `a - b`

@@ -119,8 +119,7 @@ macro_rules! one_lane {
             }
             #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {
-                let (quarter_turns, counted) = trig::quarter_turns(self);
-                let (sin, cos) = trig::reduced_sin_cos(trig::reduce(self, quarter_turns));
+                let (sin, cos, counted) = trig::sin_cos_by_quadrant(self);
                 let quadrant = $get(counted).to_bits();
                 let (s, c) = if quadrant & 1 == 0 { (sin, cos) } else { (cos, sin) };
                 let s = if quadrant & 2 == 0 { s } else { -s };

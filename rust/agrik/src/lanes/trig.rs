@@ -23,14 +23,14 @@ pub(super) fn round_small<R: Real>(x: R) -> R {
 
 /// The quarter turns nearest to an angle, as a number and as the low bits of another.
 #[inline(always)]
-pub(super) fn quarter_turns<R: Real>(x: R) -> (R, R) {
+fn quarter_turns<R: Real>(x: R) -> (R, R) {
     let counted = x.mul_add(R::splat(std::f64::consts::FRAC_2_PI), R::splat(ROUND));
     (counted - R::splat(ROUND), counted)
 }
 
 /// `x - quarter_turns * pi / 2`, accurate to the last place for |x| <= 1e4.
 #[inline(always)]
-pub(super) fn reduce<R: Real>(x: R, quarter_turns: R) -> R {
+fn reduce<R: Real>(x: R, quarter_turns: R) -> R {
     let r = quarter_turns.mul_add(R::splat(-HALF_PI[0]), x);
     let r = quarter_turns.mul_add(R::splat(-HALF_PI[1]), r);
     quarter_turns.mul_add(R::splat(-HALF_PI[2]), r)
@@ -48,7 +48,7 @@ fn horner<R: Real, const N: usize>(x: R, coefficients: [f64; N]) -> R {
 
 /// Sine and cosine for |r| <= pi/4.
 #[inline(always)]
-pub(super) fn reduced_sin_cos<R: Real>(r: R) -> (R, R) {
+fn reduced_sin_cos<R: Real>(r: R) -> (R, R) {
     const SIN: [f64; 6] = [
         1.589_690_995_211_55e-10,
         -2.505_076_025_340_686_3e-8,
@@ -76,6 +76,19 @@ pub(super) fn reduced_sin_cos<R: Real>(r: R) -> (R, R) {
     (sin, cos)
 }
 
+/// Sine and cosine of the angle left after the nearest quarter turns are taken off, and a
+/// number whose lowest bits count those: an odd count exchanges the two, bit 1 of the count
+/// changes the sine's sign, bit 1 of the count plus one the cosine's.
+///
+/// What every number type's [`Real::sin_cos`] is made of; the rest is integer work that
+/// each does in its own way.
+#[inline(always)]
+pub fn sin_cos_by_quadrant<R: Real>(x: R) -> (R, R, R) {
+    let (quarter_turns, counted) = quarter_turns(x);
+    let (sin, cos) = reduced_sin_cos(reduce(x, quarter_turns));
+    (sin, cos, counted)
+}
+
 /// `acos(c) / sqrt(1 - c^2)` for c in [0, 1]: the factor from the sine of a rotation
 /// angle to the angle itself, smooth where the angle vanishes.
 #[inline(always)]
@@ -83,33 +96,46 @@ pub(crate) fn angle_over_sine<R: Real>(c: R) -> R {
     // In powers of u = 1 - c; relative error below 1e-16 on [0, 1]. Split in even and
     // odd powers, which halves the chain of dependent multiplications.
     const EVEN: [f64; 11] = [
-        0.000_121_173_058_311_165_37,
-        0.004_114_940_516_850_556,
-        0.017_738_315_969_183_66,
-        0.021_534_003_435_869_53,
-        0.009_195_329_684_833_449,
-        0.001_701_113_390_698_554_4,
-        0.001_251_083_869_870_826,
-        0.005_329_448_283_051_69,
-        0.025_396_831_596_651_948,
-        0.133_333_333_336_825_26,
+        -0.000_728_127_364_338_151_6,
+        -0.008_217_500_897_654_82,
+        -0.020_647_830_091_351_717,
+        -0.017_185_237_019_630_522,
+        -0.005_354_854_850_622_061_5,
+        -0.000_396_749_895_693_602_73,
+        0.001_140_381_433_810_797_8,
+        0.005_327_576_046_333_906,
+        0.025_396_823_882_017_35,
+        0.133_333_333_332_627_7,
         1.0,
     ];
-    const ODD: [f64; 10] = [
-        -0.001_025_639_660_813_829,
-        -0.010_259_274_640_621_51,
-        -0.022_454_256_450_108_755,
-        -0.015_861_705_441_279_71,
-        -0.003_976_427_223_224_787,
-        0.000_164_210_479_134_765_15,
-        0.002_473_760_711_169_737_4,
-        0.011_543_895_604_776_996,
-        0.057_142_856_940_427_84,
-        0.333_333_333_333_309_45,
+    const ODD: [f64; 11] = [
+        8.121_007_252_839_173e-5,
+        0.003_097_390_472_213_588_3,
+        0.015_180_613_767_041_282,
+        0.021_394_954_857_916_56,
+        0.010_890_803_896_660_979,
+        0.002_258_839_699_459_277_3,
+        0.000_713_896_879_431_486_1,
+        0.002_490_569_286_343_547,
+        0.011_544_042_766_655_997,
+        0.057_142_857_187_808_9,
+        0.333_333_333_333_337_7,
     ];
     let u = R::splat(1.0) - c;
     let u2 = u * u;
     horner(u2, ODD).mul_add(u, horner(u2, EVEN))
+}
+
+/// The angle of the direction (c, s), of any length but zero, in [-pi, pi].
+#[inline(always)]
+pub(crate) fn angle_of<R: Real>(s: R, c: R) -> R {
+    let length = s.mul_add(s, c * c).sqrt().max(R::splat(1e-300));
+    let cosine = c / length;
+    // Near the axes' ends the sine, elsewhere the cosine says how far; both in one form.
+    let angle = s.abs() / length * angle_over_sine(cosine.abs());
+    let back = R::splat(std::f64::consts::PI) - angle;
+    let angle = R::select(c.lt(R::zero()), back, angle);
+    R::select(s.lt(R::zero()), -angle, angle)
 }
 
 #[cfg(test)]
@@ -140,6 +166,15 @@ mod tests {
             worst = worst.max(ulps(s2, s, 0.0)).max(ulps(c2, c, 0.0));
         }
         assert!(worst <= 1.45, "worst {worst} ulp");
+    }
+
+    #[test]
+    fn angle_of_matches_atan2() {
+        for i in -3141..=3141 {
+            let angle = f64::from(i) / 1000.0;
+            let (s, c) = angle.sin_cos();
+            assert!((angle_of(3.0 * s, 3.0 * c) - angle).abs() < 1e-14, "{angle}");
+        }
     }
 
     #[test]

@@ -195,8 +195,7 @@ impl Real for F64x4 {
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (quarter_turns, counted) = trig::quarter_turns(self);
-        let (sin, cos) = trig::reduced_sin_cos(trig::reduce(self, quarter_turns));
+        let (sin, cos, counted) = trig::sin_cos_by_quadrant(self);
         // SAFETY: invariant of this file.
         unsafe {
             let n = _mm256_castpd_si256(counted.0);
@@ -278,17 +277,15 @@ impl Real for F64x8 {
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (quarter_turns, counted) = trig::quarter_turns(self);
-        let (sin, cos) = trig::reduced_sin_cos(trig::reduce(self, quarter_turns));
+        let (sin, cos, counted) = trig::sin_cos_by_quadrant(self);
         // SAFETY: invariant of this file.
         unsafe {
             let n = _mm512_castpd_si512(counted.0);
             let two = _mm512_set1_epi64(2);
             let odd = _mm512_test_epi64_mask(n, _mm512_set1_epi64(1));
             let sign = |n| _mm512_slli_epi64::<62>(_mm512_and_epi64(n, two));
-            let flip = |x, sign| {
-                _mm512_castsi512_pd(_mm512_xor_epi64(_mm512_castpd_si512(x), sign))
-            };
+            let flip =
+                |x, sign| _mm512_castsi512_pd(_mm512_xor_epi64(_mm512_castpd_si512(x), sign));
             let s = _mm512_mask_blend_pd(odd, sin.0, cos.0);
             let c = _mm512_mask_blend_pd(odd, cos.0, sin.0);
             let next = _mm512_add_epi64(n, _mm512_set1_epi64(1));

@@ -4,20 +4,22 @@
 //! given the next one at once. With a one-lane number type this is an ordinary loop over
 //! targets.
 
-use super::plan::{AnswersMut, Outcome, Plan, Status};
-use super::step::{Pace, Step, dot, squared_norm};
+mod feedback;
+
+use self::feedback::{Halt, Memory};
+use super::plan::{AnswersMut, INSIDE, Outcome, Plan, Status};
+use super::step::{Step, dot, pulled, squared_norm};
 use crate::chain::{JointKind, Variable};
 use crate::kinematics::{Workspace, columns, forward};
 use crate::lanes::Real;
 use crate::task::{AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task, TaskError};
 
-/// Share of the tolerance that the loop itself allows, so that rounding in a later check
-/// cannot turn a reached target into a missed one.
-const INSIDE: f64 = 1.0 - 1e-6;
 /// An attempt whose error is below this share of the robot's size is closing in on a
 /// solution, slowly where that is singular: it gets so many times the usual steps.
 const NEAR: f64 = 1e-2;
 const PATIENCE: u32 = 8;
+/// Movement, rad or m, below which a joint counts as still.
+const STILL: f64 = 1e-14;
 /// Loop passes between two questions whether to go on.
 const PASSES_PER_POLL: u32 = 512;
 
@@ -29,19 +31,55 @@ pub fn run<'a, R: Real>(
     next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
     keep_going: &mut dyn FnMut() -> bool,
 ) -> bool {
+    // Two loops in one source: feedback laws would slow the others down.
+    match (&plan.feedback, plan.task) {
+        (None, _) => run_task::<R, false>(plan, next, keep_going),
+        (Some(_), Task::Position) => {
+            Engine::<R, _, 3, true>::new(plan, PositionRows).run(next, keep_going)
+        }
+        (Some(_), _) => run_slowly(plan, next, keep_going),
+    }
+}
+
+/// Feedback laws with orientations: too rare for lanes to be worth their code.
+#[inline(never)]
+fn run_slowly<'a>(
+    plan: &Plan<'_>,
+    next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
+    keep_going: &mut dyn FnMut() -> bool,
+) -> bool {
+    run_task::<f64, true>(plan, next, keep_going)
+}
+
+#[inline(always)]
+fn run_task<'a, R: Real, const FEEDBACK: bool>(
+    plan: &Plan<'_>,
+    next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
+    keep_going: &mut dyn FnMut() -> bool,
+) -> bool {
     let scale = plan.rotation_scale;
     match plan.task {
-        Task::Position => Engine::<R, _, 3>::new(plan, PositionRows).run(next, keep_going),
-        Task::Pose => Engine::<R, _, 6>::new(plan, PoseRows { scale }).run(next, keep_going),
+        Task::Position => {
+            Engine::<R, _, 3, FEEDBACK>::new(plan, PositionRows).run(next, keep_going)
+        }
+        Task::Pose => {
+            Engine::<R, _, 6, FEEDBACK>::new(plan, PoseRows { scale }).run(next, keep_going)
+        }
         Task::Axis { tool_axis } => {
             let axis = plan.tail.direction(tool_axis);
-            Engine::<R, _, 5>::new(plan, AxisRows { scale, axis }).run(next, keep_going)
+            Engine::<R, _, 5, FEEDBACK>::new(plan, AxisRows { scale, axis }).run(next, keep_going)
         }
         Task::Masked { weights, frame } => {
             let rows = MaskedRows { scale, weights, frame, tool: plan.tail.rotation };
-            Engine::<R, _, 6>::new(plan, rows).run(next, keep_going)
+            Engine::<R, _, 6, FEEDBACK>::new(plan, rows).run(next, keep_going)
         }
     }
+}
+
+/// The square of a tolerance, a little smaller.
+#[inline(always)]
+fn square<R: Real>(tolerance: f64) -> R {
+    R::splat((tolerance * INSIDE) * (tolerance * INSIDE))
 }
 
 /// What a lane is busy with.
@@ -66,6 +104,8 @@ struct Job {
 #[derive(Debug, Clone, Copy)]
 struct Best {
     squared: f64,
+    /// What the attempt ended with, where it is not told from all others.
+    status: Status,
     position_error: f64,
     orientation_error: f64,
 }
@@ -88,6 +128,16 @@ impl Limit {
     }
 }
 
+/// The limits of a plan: those of the joints, unless it has narrower ones.
+fn limits(plan: &Plan<'_>) -> Vec<Limit> {
+    match &plan.bounds {
+        None => plan.chain.variables().iter().map(Limit::of).collect(),
+        Some(bounds) => {
+            bounds.iter().map(|&(lower, upper)| Limit { lower, upper, turns: false }).collect()
+        }
+    }
+}
+
 /// A run of rows with the number of its unfinished rows.
 struct Open<'a> {
     run: AnswersMut<'a>,
@@ -96,7 +146,7 @@ struct Open<'a> {
     unfinished: usize,
 }
 
-struct Engine<'p, R: Real, T, const M: usize> {
+struct Engine<'p, R: Real, T, const M: usize, const FEEDBACK: bool> {
     plan: &'p Plan<'p>,
     rows: T,
     variables: &'p [Variable],
@@ -111,12 +161,17 @@ struct Engine<'p, R: Real, T, const M: usize> {
     /// Where continuous joints' values are kept near.
     reference: Vec<R>,
     change: Vec<R>,
+    /// The second aim's share of a step.
+    pull: Vec<R>,
     columns: Vec<[R; M]>,
     workspace: Workspace<R>,
     goal: Goal<R>,
+    memory: Memory<R, M>,
 }
 
-impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
+impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
+    Engine<'p, R, T, M, FEEDBACK>
+{
     #[inline(always)]
     fn new(plan: &'p Plan<'p>, rows: T) -> Self {
         let variables = plan.chain.variables();
@@ -136,35 +191,36 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             plan,
             rows,
             variables,
-            limits: variables.iter().map(Limit::of).collect(),
+            limits: limits(plan),
             has_continuous: variables.iter().any(|v| v.kind == JointKind::Continuous),
             cap: plan.settings.max_iterations,
-            // A chosen pace asks for its steps to be counted as they are.
-            patient_cap: match plan.settings.pace {
-                Pace::Full => plan.settings.max_iterations.saturating_mul(PATIENCE),
-                _ => plan.settings.max_iterations,
-            },
+            patient_cap: plan.settings.max_iterations.saturating_mul(if plan.settings.plain {
+                1
+            } else {
+                PATIENCE
+            }),
             near2: (NEAR * plan.rotation_scale).powi(2),
             jobs: vec![job; R::WIDTH],
             q: vec![R::zero(); dof],
             reference: vec![R::zero(); dof],
             change: vec![R::zero(); dof],
+            pull: vec![R::zero(); dof],
             columns: vec![[R::zero(); M]; dof],
             workspace: Workspace::new(plan.chain.compiled()),
             goal: Goal::zero(),
+            memory: Memory::new(plan.feedback.as_ref(), dof),
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<'a>(
         mut self,
         next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
         keep_going: &mut dyn FnMut() -> bool,
     ) -> bool {
         let tolerance = self.plan.tolerance;
-        let square = |x: f64| R::splat((x * INSIDE) * (x * INSIDE));
-        let position2 = square(tolerance.position);
-        let orientation2 = square(tolerance.orientation);
+        let position2 = square::<R>(tolerance.position);
+        let orientation2 = square::<R>(tolerance.orientation);
         let all = ((1u64 << R::WIDTH) - 1) as u32;
 
         let mut open: Vec<Option<Open<'a>>> = Vec::new();
@@ -172,7 +228,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
         for lane in 0..R::WIDTH {
             busy |= u32::from(self.refill(lane, &mut open, next)) << lane;
         }
-        let mut stalled = 0u32;
+        let mut halt = Halt::default();
         let mut passes = 0u32;
         while busy != 0 {
             passes += 1;
@@ -183,12 +239,11 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
                 }
             }
             let error = self.evaluate();
-            let reached = R::bits(R::and(
-                error.position2.le(position2),
-                error.orientation2.le(orientation2),
-            )) & busy;
+            let reached =
+                R::bits(R::and(error.position2.le(position2), error.orientation2.le(orientation2)))
+                    & busy;
             let near = R::bits(squared_norm(&error.rows).lt(R::splat(self.near2)));
-            let mut ended = (reached | stalled) & busy;
+            let mut ended = (reached | halt.stalled | halt.broken) & busy;
             for (lane, job) in self.jobs.iter().enumerate() {
                 let closing_in = near >> lane & 1 != 0;
                 let cap = if closing_in { self.patient_cap } else { self.cap };
@@ -200,7 +255,8 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
                     let lane = left.trailing_zeros() as usize;
                     left &= left - 1;
                     let solved = reached >> lane & 1 != 0;
-                    if !self.end_attempt(lane, solved, &error, &mut open)
+                    let status = self.status(lane, solved, halt);
+                    if !self.end_attempt(lane, status, &error, &mut open)
                         && !self.refill(lane, &mut open, next)
                     {
                         busy &= !(1 << lane);
@@ -208,11 +264,15 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
                 }
                 // Lanes that start anew are evaluated on the next pass.
                 if ended | !busy & all == all {
-                    stalled = 0;
+                    halt = Halt::default();
                     continue;
                 }
             }
-            stalled = self.step(&error, busy & !ended);
+            halt = if FEEDBACK {
+                self.feedback_step(&error, busy & !ended)
+            } else {
+                Halt { stalled: self.step(&error, busy & !ended), broken: 0 }
+            };
         }
         true
     }
@@ -247,8 +307,15 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
         });
         // Active set: a joint at a limit whose downhill direction leads outward is held
         // for this step, and the others take over its share.
-        for ((v, q), column) in self.limits.iter().zip(&self.q).zip(&mut self.columns) {
-            if v.turns {
+        if let Some((gain, toward)) = &self.plan.pull {
+            for ((p, q), to) in self.pull.iter_mut().zip(&self.q).zip(toward) {
+                *p = R::splat(*gain) * (R::splat(*to) - *q);
+            }
+        }
+        let plain = self.plan.settings.plain;
+        let moves = self.limits.iter().zip(&self.q).zip(&mut self.columns).zip(&mut self.pull);
+        for (((v, q), column), pull) in moves {
+            if v.turns || plain {
                 continue;
             }
             let downhill = dot(column, &error.rows);
@@ -258,14 +325,20 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             for x in column.iter_mut() {
                 *x = R::select(held, R::zero(), *x);
             }
+            *pull = R::select(held, R::zero(), *pull);
         }
-        self.plan.settings.change(&self.columns, &error.rows, &mut self.change);
-        self.apply(moving)
+        if self.plan.pull.is_some() {
+            pulled::step(&self.columns, &error.rows, &self.pull, &mut self.change);
+        } else {
+            self.plan.settings.change(&self.columns, &error.rows, &mut self.change);
+        }
+        let squared = squared_norm(&error.rows);
+        self.apply(moving, squared)
     }
 
     /// Adds the change, no longer than the longest step, projected on the limits.
     #[inline(always)]
-    fn apply(&mut self, moving: u32) -> u32 {
+    fn apply(&mut self, moving: u32, squared: R) -> u32 {
         let mut longest = R::splat(1e-300);
         for dq in &self.change {
             longest = longest.max(dq.abs());
@@ -293,7 +366,12 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             job.steps += moving >> lane & 1;
         }
         // Written so that a step that is not a number counts as none.
-        moving & !R::bits(R::splat(1e-14).lt(moved))
+        if self.plan.settings.plain {
+            return moving & !R::bits(R::splat(STILL).lt(moved));
+        }
+        let way = moved * R::splat(self.plan.rotation_scale);
+        moving
+            & !R::bits((squared * R::splat(self.plan.settings.step.stall().powi(2))).lt(way * way))
     }
 
     /// Takes whole turns off continuous joints, to within half a turn of their reference.
@@ -308,16 +386,32 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
         }
     }
 
+    /// How a lane's attempt ended.
+    #[inline(always)]
+    fn status(&self, lane: usize, solved: bool, halt: Halt) -> Status {
+        let plain = FEEDBACK || self.plan.settings.plain;
+        if solved {
+            Status::Converged
+        } else if plain && halt.broken >> lane & 1 != 0 {
+            Status::NonFinite
+        } else if plain && halt.stalled >> lane & 1 != 0 {
+            Status::Stalled
+        } else {
+            Status::NotFound
+        }
+    }
+
     /// Ends a lane's attempt; true where the target gets another one.
     #[inline(always)]
     fn end_attempt(
         &mut self,
         lane: usize,
-        solved: bool,
+        status: Status,
         error: &TaskError<R, M>,
         open: &mut [Option<Open<'_>>],
     ) -> bool {
         let settings = &self.plan.settings;
+        let solved = status == Status::Converged;
         let job = &mut self.jobs[lane];
         let squared = squared_norm(&error.rows).lane(lane);
         if solved || job.best.is_none_or(|best| squared < best.squared) {
@@ -325,7 +419,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             let orientation_error = error.orientation2.lane(lane).sqrt();
             // An attempt that ran into numbers without meaning is no answer.
             if position_error.is_finite() && orientation_error.is_finite() {
-                job.best = Some(Best { squared, position_error, orientation_error });
+                job.best = Some(Best { squared, status, position_error, orientation_error });
                 for (to, from) in job.best_q.iter_mut().zip(&self.q) {
                     *to = from.lane(lane);
                 }
@@ -341,16 +435,11 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
         }
         let best = job.best.unwrap_or(Best {
             squared: f64::INFINITY,
+            status,
             position_error: f64::INFINITY,
             orientation_error: f64::INFINITY,
         });
-        let status = if solved {
-            Status::Converged
-        } else if job.unreachable {
-            Status::OutOfReach
-        } else {
-            Status::NotFound
-        };
+        let status = if !solved && job.unreachable { Status::OutOfReach } else { best.status };
         let outcome = Outcome {
             status,
             position_error: best.position_error,
@@ -414,7 +503,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
     #[inline(always)]
     fn start(&mut self, lane: usize, row: usize, attempt: u32, goal: &Goal<f64>) {
         let dof = self.variables.len();
-        let given = self.plan.starts.row(row, dof);
+        let given = self.plan.start(row);
         let mut fixed = [0.0; 16];
         let mut long = Vec::new();
         let q = if dof <= fixed.len() {
@@ -427,7 +516,10 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize> Engine<'p, R, T, M> {
             Some(start) if attempt == 0 => q.copy_from_slice(start),
             _ => self.plan.sampler.sample(row, attempt, goal, q),
         }
-        for (i, v) in self.variables.iter().enumerate() {
+        if FEEDBACK {
+            self.memory.reset(self.plan.feedback.as_ref(), lane);
+        }
+        for (i, v) in self.limits.iter().enumerate() {
             self.q[i].set_lane(lane, q[i].clamp(v.lower, v.upper));
             self.reference[i].set_lane(lane, given.map_or(0.0, |start| start[i]));
         }
@@ -495,6 +587,12 @@ impl Step {
             Self::PseudoInverse { .. } => "pinv",
             Self::Damped { .. } => "dls",
             Self::LevenbergMarquardt { .. } => "lm",
+            Self::ClosedPseudoInverse => "pinv-closed",
+            Self::CyclicCoordinateDescent => "ccd",
+            Self::IkPid(_) => "ik-pid",
+            Self::StateSpace(_) => "state-space",
+            Self::StaticGain(_) => "static-gain",
+            Self::Broyden { .. } => "broyden",
         }
     }
 }

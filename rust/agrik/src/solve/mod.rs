@@ -1,11 +1,18 @@
-//! Step solvers: one loop with an exchangeable step, one record of answers.
+//! Solvers: step solvers, which share one loop, and population solvers, which share one
+//! evaluator; one record of answers.
 
 mod engine;
+mod follow;
 mod linear;
 mod plan;
+pub mod population;
+mod rows;
 mod start;
 mod step;
 
-pub use engine::run;
+pub use follow::{Follow, Path};
 pub use plan::{Answers, AnswersMut, Goals, Plan, Starts, Status, Tolerance};
-pub use step::{Pace, Settings, Step};
+pub use rows::Solve;
+pub use step::{
+    GainUnits, Matrix, Pace, Pid, PidOrder, Settings, StartRule, StateSpace, StaticGain, Step,
+};

@@ -1,9 +1,21 @@
 //! What goes into a call (goals, starts, settings) and what comes out of it (answers).
 
-use super::{Settings, start::{Ranking, Sampler}};
+use super::step::{Feedback, StartRule, middle};
+use super::{
+    Settings,
+    start::{Ranking, Sampler},
+};
 use crate::chain::{Chain, Reach, Tail};
 use crate::error::{Error, Result};
-use crate::task::{Goal, Task, axis_goal, pose_goal, rotation_scale, unit};
+use crate::kinematics::Workspace;
+use crate::task::{
+    AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task, axis_goal, pose_goal,
+    rotation_scale, unit,
+};
+
+/// Share of the tolerance that solvers themselves allow, so that rounding in a later check
+/// cannot turn a reached target into a missed one.
+pub(super) const INSIDE: f64 = 1.0 - 1e-6;
 
 /// What became of a target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,6 +29,11 @@ pub enum Status {
     NotFound = 2,
     /// The target or its start held NaN or infinity.
     BadInput = 3,
+    /// The search came to rest before it reached the target, as in a local minimum (feedback
+    /// laws, plain methods and population searches only).
+    Stalled = 4,
+    /// Numbers grew beyond all bounds (feedback laws only).
+    NonFinite = 5,
 }
 
 /// How near is near enough.
@@ -96,8 +113,16 @@ pub struct Plan<'a> {
     pub(super) sampler: Sampler<'a>,
     pub(super) tail: Tail,
     pub(super) rotation_scale: f64,
+    /// Limits inside those of the chain that hold for this call, rad or m.
+    pub(super) bounds: Option<Vec<(f64, f64)>>,
+    /// A second aim: share of the way to a posture that each step tries to go.
+    pub(super) pull: Option<(f64, Vec<f64>)>,
+    /// The feedback law of the settings, if it is one.
+    pub(super) feedback: Option<Feedback>,
+    /// Where first attempts start if the caller gives no start and the solver has one.
+    usual_start: Option<Vec<f64>>,
     tool_reach: Reach,
-    wrist_reach: Option<Reach>,
+    wrist_reach: Option<&'a Reach>,
 }
 
 impl<'a> Plan<'a> {
@@ -147,12 +172,22 @@ impl<'a> Plan<'a> {
             _ => return Err(Error::argument("targets", "poses (4x4 matrices)", "points")),
         }
         let compiled = chain.compiled();
+        let tool_reach = match &tail {
+            Some(tail) => Reach::with_tail(compiled, chain.variables(), tail),
+            None => *chain.reach(),
+        };
         let tail = tail.unwrap_or(compiled.tail);
-        let rotation_scale = rotation_scale(compiled, chain.reach().radius);
+        let rotation_scale = rotation_scale(chain.reach().radius);
         let ranking = ranking(&task, &tail, rotation_scale);
-        let tool_reach = Reach::with_tail(compiled, chain.variables(), &tail);
-        let wrist_reach =
-            if task.fixes_pose() { Reach::of_last_joint(compiled, chain.variables()) } else { None };
+        let wrist_reach = if task.fixes_pose() { chain.last_joint_reach() } else { None };
+        let feedback = Feedback::new(&settings, chain, &task, &tail, rotation_scale)?;
+        let usual_start = match settings.start {
+            StartRule::Sampled => None,
+            StartRule::Zero => {
+                Some(chain.variables().iter().map(|v| 0.0f64.clamp(v.lower, v.upper)).collect())
+            }
+            StartRule::Middle => Some(middle(chain)),
+        };
         Ok(Self {
             chain,
             task,
@@ -162,6 +197,10 @@ impl<'a> Plan<'a> {
             starts,
             sampler: Sampler::new(chain, ranking, seed, first_index),
             rotation_scale,
+            bounds: None,
+            pull: None,
+            feedback,
+            usual_start,
             tail,
             tool_reach,
             wrist_reach,
@@ -179,6 +218,62 @@ impl<'a> Plan<'a> {
     /// The chain.
     pub fn chain(&self) -> &'a Chain {
         self.chain
+    }
+
+    /// The same call with other targets, starts and step settings: a solver's own subtask.
+    pub(super) fn with<'b>(
+        &'b self,
+        copies: &'b Copies,
+        starts: &'b [f64],
+        settings: Settings,
+    ) -> Plan<'b> {
+        let goals = match copies {
+            Copies::Points(points, direction) => Goals::Positions { points, direction: *direction },
+            Copies::Poses(poses) => Goals::Poses(poses),
+        };
+        Plan { goals, starts: Starts::Each(starts), settings, ..self.clone() }
+    }
+
+    /// Target `row`, `count` times.
+    pub(super) fn copies(&self, row: usize, count: usize) -> Copies {
+        match self.goals {
+            Goals::Positions { points, direction } => {
+                Copies::Points(vec![points[row]; count], direction)
+            }
+            Goals::Poses(poses) => Copies::Poses(vec![poses[row]; count]),
+        }
+    }
+
+    /// Squared distance (m^2) and angle (rad^2) between a posture and a goal.
+    pub(super) fn errors(&self, at: &Workspace<f64>, goal: &Goal<f64>) -> (f64, f64) {
+        let tool = at.tool_point(self.tail.translation);
+        let scale = 1.0;
+        match self.task {
+            Task::Position => {
+                let e = PositionRows.error(at, tool, goal);
+                (e.position2, e.orientation2)
+            }
+            Task::Pose => {
+                let e = PoseRows { scale }.error(at, tool, goal);
+                (e.position2, e.orientation2)
+            }
+            Task::Axis { tool_axis } => {
+                let axis = self.tail.direction(tool_axis);
+                let e = AxisRows { scale, axis }.error(at, tool, goal);
+                (e.position2, e.orientation2)
+            }
+            Task::Masked { weights, frame } => {
+                let tool_axes = self.tail.rotation;
+                let e = MaskedRows { scale, weights, frame, tool: tool_axes }.error(at, tool, goal);
+                (e.position2, e.orientation2)
+            }
+        }
+    }
+
+    /// Where the first attempt at target `row` starts, unless that is left to chance.
+    #[inline(always)]
+    pub(super) fn start(&self, row: usize) -> Option<&[f64]> {
+        self.starts.row(row, self.chain.dof()).or(self.usual_start.as_deref())
     }
 
     /// The goal of target `row`, or `None` where it or its start is not finite.
@@ -227,7 +322,7 @@ impl<'a> Plan<'a> {
         if self.tool_reach.excess(goal.position) > self.tolerance.position {
             return true;
         }
-        let Some(wrist) = &self.wrist_reach else { return false };
+        let Some(wrist) = self.wrist_reach else { return false };
         // The tool's place and axes give the last joint's origin; an orientation error
         // within tolerance moves it by that angle times the tool's length.
         let t = self.tail.translation;
@@ -254,6 +349,15 @@ fn ranking(task: &Task, tail: &Tail, rotation_scale: f64) -> Ranking {
         Task::Masked { .. } => (0.0, none),
     };
     Ranking { point: tail.translation.map(|x| x as f32), axes, direction }
+}
+
+/// Copies of one target, for a subtask that tries several starts at once.
+#[derive(Debug, Clone)]
+pub(super) enum Copies {
+    /// Tool points, with the direction of all.
+    Points(Vec<[f64; 3]>, Option<[f64; 3]>),
+    /// Poses.
+    Poses(Vec<[f64; 16]>),
 }
 
 /// The answers of a call, one entry a target (`dof` entries of `q`).
@@ -356,17 +460,22 @@ impl<'a> AnswersMut<'a> {
             .zip(self.iterations.chunks_mut(size))
             .zip(self.restarts.chunks_mut(size))
             .enumerate()
-            .map(|(i, (((((q, status), position_error), orientation_error), iterations), restarts))| {
-                AnswersMut {
-                    first: self.first + i * size,
-                    q,
-                    status,
-                    position_error,
-                    orientation_error,
-                    iterations,
-                    restarts,
-                }
-            })
+            .map(
+                |(
+                    i,
+                    (((((q, status), position_error), orientation_error), iterations), restarts),
+                )| {
+                    AnswersMut {
+                        first: self.first + i * size,
+                        q,
+                        status,
+                        position_error,
+                        orientation_error,
+                        iterations,
+                        restarts,
+                    }
+                },
+            )
             .collect()
     }
 

@@ -37,7 +37,6 @@ pub(super) struct Ranking {
 pub(super) struct Sampler<'a> {
     seed: u64,
     first_index: u64,
-    ranges: Vec<(f64, f64)>,
     postures: &'a Postures,
     ranking: Ranking,
 }
@@ -46,17 +45,22 @@ impl<'a> Sampler<'a> {
     /// A sampler over the joints' limits.
     pub fn new(chain: &'a Chain, ranking: Ranking, seed: u64, first_index: u64) -> Self {
         let postures = chain.postures(sample_postures);
-        Self { seed, first_index, ranges: ranges(chain), postures, ranking }
+        Self { seed, first_index, postures, ranking }
+    }
+
+    /// What alone decides the random numbers of an attempt at a target.
+    #[inline(always)]
+    pub fn key(&self, row: usize, attempt: u32) -> u64 {
+        let index = self.first_index.wrapping_add(row as u64);
+        mix(mix(mix(self.seed ^ 0x9e37_79b9_7f4a_7c15) ^ index) ^ u64::from(attempt))
     }
 
     /// The start of attempt `attempt` at target `row`.
     #[inline(always)]
     pub fn sample(&self, row: usize, attempt: u32, goal: &Goal<f64>, q: &mut [f64]) {
-        let index = self.first_index.wrapping_add(row as u64);
-        let key = mix(mix(self.seed ^ 0x9e37_79b9_7f4a_7c15) ^ index) ^ u64::from(attempt);
-        let key = mix(key);
+        let key = self.key(row, attempt);
         if attempt % ANYWHERE == ANYWHERE - 1 {
-            draw(&mut Xoshiro256PlusPlus::seed_from_u64(key), &self.ranges, q);
+            draw(&mut Xoshiro256PlusPlus::seed_from_u64(key), &self.postures.ranges, q);
             return;
         }
         let windows = (TABLE - WINDOW) as u64;
@@ -84,10 +88,8 @@ impl<'a> Sampler<'a> {
                 let at = |row: usize| rows[row][i];
                 let mut distance = 0.0f32;
                 for k in 0..3 {
-                    let tool = at(k)
-                        + at(3 + k) * point[0]
-                        + at(6 + k) * point[1]
-                        + at(9 + k) * point[2];
+                    let tool =
+                        at(k) + at(3 + k) * point[0] + at(6 + k) * point[1] + at(9 + k) * point[2];
                     distance += (tool - to[k]) * (tool - to[k]);
                 }
                 // |a - b|^2 of unit vectors is 2 - 2 a.b, and for small angles their angle
@@ -95,8 +97,8 @@ impl<'a> Sampler<'a> {
                 let mut cosines = 0.0f32;
                 let mut cosine = 0.0f32;
                 for k in 0..3 {
-                    cosines += at(3 + k) * axes[0][k] + at(6 + k) * axes[1][k]
-                        + at(9 + k) * axes[2][k];
+                    cosines +=
+                        at(3 + k) * axes[0][k] + at(6 + k) * axes[1][k] + at(9 + k) * axes[2][k];
                     let d = at(3 + k) * along[0] + at(6 + k) * along[1] + at(9 + k) * along[2];
                     cosine += d * axes[2][k];
                 }
@@ -131,13 +133,12 @@ fn ranges(chain: &Chain) -> Vec<(f64, f64)> {
 
 /// A table of uniform random postures and their frames.
 fn sample_postures(chain: &Chain) -> Postures {
-    let ranges = ranges(chain);
     let mut stream = Xoshiro256PlusPlus::seed_from_u64(TABLE_SEED);
     let mut workspace = Workspace::<f64>::new(chain.compiled());
     let mut q = vec![0.0; chain.dof()];
-    let mut postures = Postures::default();
+    let mut postures = Postures { ranges: ranges(chain), ..Postures::default() };
     for _ in 0..TABLE {
-        draw(&mut stream, &ranges, &mut q);
+        draw(&mut stream, &postures.ranges, &mut q);
         forward(chain.compiled(), &q, &mut workspace);
         postures.q.extend_from_slice(&q);
         let axes = workspace.joint_axes();

@@ -25,12 +25,9 @@ impl Sampler {
 /// one of its limits.
 pub fn random_q(chain: &Chain, sampler: &mut Sampler) -> Vec<f64> {
     let value = |v: &agrik::chain::Variable| {
-        let lower = v
-            .lower
-            .max(-std::f64::consts::PI * if v.lower.is_finite() { 1e9 } else { 1.0 });
-        let upper = v
-            .upper
-            .min(std::f64::consts::PI * if v.upper.is_finite() { 1e9 } else { 1.0 });
+        let lower =
+            v.lower.max(-std::f64::consts::PI * if v.lower.is_finite() { 1e9 } else { 1.0 });
+        let upper = v.upper.min(std::f64::consts::PI * if v.upper.is_finite() { 1e9 } else { 1.0 });
         match (sampler.unit() * 16.0) as u32 {
             0 => lower,
             1 => upper,
@@ -43,11 +40,7 @@ pub fn random_q(chain: &Chain, sampler: &mut Sampler) -> Vec<f64> {
 /// Poses of all links and of the tool, by a product of homogeneous matrices.
 pub fn plain_poses(chain: &Chain, q: &[f64]) -> Vec<Matrix4<f64>> {
     let value_of = |name: &str| {
-        let i = chain
-            .variables()
-            .iter()
-            .position(|v| v.name == name)
-            .expect("a variable");
+        let i = chain.variables().iter().position(|v| v.name == name).expect("a variable");
         q[i]
     };
     let mut pose = chain.base().to_homogeneous();

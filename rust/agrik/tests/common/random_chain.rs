@@ -63,9 +63,7 @@ fn axis() -> BoxedStrategy<Unit<Vector3<f64>>> {
     let any_way = (-1.0..1.0, -1.0..1.0, -1.0..1.0)
         .prop_map(|(x, y, z)| Vector3::new(x, y, z))
         .prop_filter("a direction", |v| v.norm() > 0.01);
-    prop_oneof![along, tilted, any_way]
-        .prop_map(Unit::new_normalize)
-        .boxed()
+    prop_oneof![along, tilted, any_way].prop_map(Unit::new_normalize).boxed()
 }
 
 /// A moving joint without a name.
@@ -77,20 +75,11 @@ fn moving() -> BoxedStrategy<Joint> {
     ];
     let general = (transform(), axis()).prop_map(|(origin, axis)| (origin, axis, None));
     let dh = (dh_row(), any::<bool>()).prop_map(|(row, modified)| {
-        let convention = if modified {
-            DhConvention::Modified
-        } else {
-            DhConvention::Standard
-        };
+        let convention = if modified { DhConvention::Modified } else { DhConvention::Standard };
         let joint = row.joint(convention, "", JointKind::Fixed, 0.0, 0.0);
         (joint.origin, joint.axis, Some(joint.after))
     });
-    (
-        kind,
-        prop_oneof![general.boxed(), dh.boxed()],
-        -2.0..2.0,
-        0.0..4.0,
-    )
+    (kind, prop_oneof![general.boxed(), dh.boxed()], -2.0..2.0, 0.0..4.0)
         .prop_map(|(kind, (origin, axis, after), lower, span)| {
             let (lower, upper) = match kind {
                 JointKind::Continuous => (f64::NEG_INFINITY, f64::INFINITY),
@@ -111,13 +100,7 @@ fn moving() -> BoxedStrategy<Joint> {
 enum Extra {
     Nothing,
     Fixed(IsometryMatrix3<f64>),
-    Follower {
-        joint: Box<Joint>,
-        multiplier: f64,
-        offset: f64,
-        share: f64,
-        elsewhere: bool,
-    },
+    Follower { joint: Box<Joint>, multiplier: f64, offset: f64, share: f64, elsewhere: bool },
 }
 
 fn extra() -> BoxedStrategy<Extra> {
@@ -151,39 +134,22 @@ pub fn chain() -> BoxedStrategy<Chain> {
                         fixed.origin = origin;
                         joints.push(fixed);
                     }
-                    Extra::Follower {
-                        mut joint,
-                        multiplier,
-                        offset,
-                        share,
-                        elsewhere,
-                    } => {
+                    Extra::Follower { mut joint, multiplier, offset, share, elsewhere } => {
                         joint.name = format!("follower{i}");
-                        let limits = if elsewhere {
-                            (-1.0, 0.5)
-                        } else {
-                            (leader.lower, leader.upper)
-                        };
+                        let limits =
+                            if elsewhere { (-1.0, 0.5) } else { (leader.lower, leader.upper) };
                         (joint.lower, joint.upper) = part_of(limits, multiplier, offset, share);
                         if joint.kind == JointKind::Continuous {
                             joint.kind = JointKind::Revolute;
                         }
                         joint.mimic = Some(Mimic {
-                            source: if elsewhere {
-                                format!("elsewhere{i}")
-                            } else {
-                                leader.name
-                            },
+                            source: if elsewhere { format!("elsewhere{i}") } else { leader.name },
                             multiplier,
                             offset,
                             source_limits: elsewhere.then_some(limits),
                         });
                         // A follower may come before its source.
-                        let place = if i % 2 == 0 {
-                            joints.len()
-                        } else {
-                            joints.len() - 1
-                        };
+                        let place = if i % 2 == 0 { joints.len() } else { joints.len() - 1 };
                         joints.insert(place, *joint);
                     }
                 }
@@ -195,11 +161,7 @@ pub fn chain() -> BoxedStrategy<Chain> {
 
 /// A share (or more than all) of the values that a follower can take.
 fn part_of(limits: (f64, f64), multiplier: f64, offset: f64, share: f64) -> (f64, f64) {
-    let (lower, upper) = if limits.0.is_finite() {
-        limits
-    } else {
-        (-2.0, 2.0)
-    };
+    let (lower, upper) = if limits.0.is_finite() { limits } else { (-2.0, 2.0) };
     let (a, b) = (multiplier * lower + offset, multiplier * upper + offset);
     let (middle, half) = (0.5 * (a + b), 0.5 * share * (b - a).abs());
     // A thousandth more, so that rounding leaves an overlap where the source cannot move.

@@ -10,10 +10,8 @@ use agrik::chain::Chain;
 
 /// A robot of some links and joints.
 pub fn robot(links: &str, joints: &str) -> String {
-    let links: String = links
-        .split_whitespace()
-        .map(|name| format!("<link name=\"{name}\"/>\n"))
-        .collect();
+    let links: String =
+        links.split_whitespace().map(|name| format!("<link name=\"{name}\"/>\n")).collect();
     format!("<robot name=\"r\">\n{links}{joints}</robot>")
 }
 

@@ -57,29 +57,17 @@ const WILD: &str = r#"<?xml version="1.0" ?>
 fn a_text_written_by_other_tools() {
     let chain = load(WILD);
     assert_eq!(chain.name(), "wild & free");
-    let variables: Vec<_> = chain
-        .variables()
-        .iter()
-        .map(|v| (v.name.as_str(), v.kind, v.lower, v.upper))
-        .collect();
+    let variables: Vec<_> =
+        chain.variables().iter().map(|v| (v.name.as_str(), v.kind, v.lower, v.upper)).collect();
     assert_eq!(
         variables,
         [
             ("turn", JointKind::Revolute, -1.5, 2.5),
             ("slide", JointKind::Prismatic, 0.0, 0.5),
-            (
-                "spin",
-                JointKind::Continuous,
-                f64::NEG_INFINITY,
-                f64::INFINITY
-            ),
+            ("spin", JointKind::Continuous, f64::NEG_INFINITY, f64::INFINITY),
         ]
     );
-    let links: Vec<_> = chain
-        .joints()
-        .iter()
-        .map(|j| j.child_link.as_str())
-        .collect();
+    let links: Vec<_> = chain.joints().iter().map(|j| j.child_link.as_str()).collect();
     assert_eq!(links, ["arm", "carriage", "tool"]);
 
     let q = [0.7, 0.25, -2.0];
@@ -112,13 +100,7 @@ fn two_arms() -> String {
             joint("r", "revolute", "torso", "right", LIMIT),
             joint("h", "fixed", "right", "hand", ""),
             joint("f1", "prismatic", "hand", "finger1", fingers),
-            joint(
-                "f2",
-                "prismatic",
-                "hand",
-                "finger2",
-                &format!("{fingers}<mimic joint=\"f1\"/>"),
-            ),
+            joint("f2", "prismatic", "hand", "finger2", &format!("{fingers}<mimic joint=\"f1\"/>")),
         ]
         .concat(),
     )
@@ -147,12 +129,7 @@ fn base_and_tip_choose_the_path() {
         "2 links could be the tip, name one as tip_link: 'finger1', 'finger2'",
     );
     refused(&text, Some("left"), None, "no joint below base link 'left'");
-    refused(
-        &text,
-        Some("left"),
-        Some("hand"),
-        "tip link 'hand' is not below base link 'left'",
-    );
+    refused(&text, Some("left"), Some("hand"), "tip link 'hand' is not below base link 'left'");
     refused(
         &text,
         Some("hand"),
@@ -165,12 +142,7 @@ fn base_and_tip_choose_the_path() {
         Some("hand"),
         "base link and tip link are both 'hand': no joint between",
     );
-    refused(
-        &text,
-        Some("right"),
-        Some("hand"),
-        "no movable joint between base and tip, only 'h'",
-    );
+    refused(&text, Some("right"), Some("hand"), "no movable joint between base and tip, only 'h'");
     refused(
         &text,
         Some("tosro"),
@@ -192,10 +164,7 @@ fn a_follower_whose_source_is_not_on_the_chain() {
     let chain = Chain::from_urdf(&two_arms(), None, Some("finger2")).expect("a chain");
     let names: Vec<_> = chain.variables().iter().map(|v| v.name.as_str()).collect();
     assert_eq!(names, ["r", "f1"]);
-    assert_eq!(
-        (chain.variables()[1].lower, chain.variables()[1].upper),
-        (0.0, 0.04)
-    );
+    assert_eq!((chain.variables()[1].lower, chain.variables()[1].upper), (0.0, 0.04));
     let pose = tool_pose(&chain, &[0.0, 0.03], &mut Workspace::new(chain.compiled()));
     assert!((pose[(1, 3)] - 0.03).abs() < 1e-16);
 }
@@ -231,11 +200,7 @@ fn followers_of_followers() {
         assert_eq!(a.name, "a");
         // From b in [-1, 1]: a in [-0.6, 0.4].
         assert!((a.lower + 0.6).abs() < 1e-15 && (a.upper - 0.4).abs() < 1e-15);
-        let mimic = chain
-            .joints()
-            .last()
-            .and_then(|j| j.mimic.clone())
-            .expect("a follower");
+        let mimic = chain.joints().last().and_then(|j| j.mimic.clone()).expect("a follower");
         assert!((mimic.multiplier + 1.0).abs() < 1e-15 && mimic.offset.abs() < 1e-15);
     }
 }
@@ -246,13 +211,7 @@ fn a_follower_of_a_free_joint_is_free() {
         "l0 l1 l2",
         &[
             joint("a", "continuous", "l0", "l1", "<axis xyz=\"0 0 1\"/>"),
-            joint(
-                "b",
-                "revolute",
-                "l1",
-                "l2",
-                "<axis xyz=\"0 0 1\"/><mimic joint=\"a\"/>",
-            ),
+            joint("b", "revolute", "l1", "l2", "<axis xyz=\"0 0 1\"/><mimic joint=\"a\"/>"),
         ]
         .concat(),
     );
@@ -269,13 +228,7 @@ fn numbers_of_joints_off_the_path_do_not_matter() {
         &[
             joint("free", "floating", "world", "robot", ""),
             joint("a", "revolute", "robot", "arm", LIMIT),
-            joint(
-                "odd",
-                "ball",
-                "robot",
-                "ball",
-                "<origin xyz=\"1 2\"/><axis xyz=\"0 0 0\"/>",
-            ),
+            joint("odd", "ball", "robot", "ball", "<origin xyz=\"1 2\"/><axis xyz=\"0 0 0\"/>"),
         ]
         .concat(),
     );
@@ -332,25 +285,12 @@ fn deep_and_long_texts() {
     let text = robot("a b", &joint("j", "continuous", "a", "b", &deep));
     assert_eq!(load(&text).dof(), 1);
     let unclosed = format!("<robot>{}", "<joint>".repeat(200_000));
-    refused(
-        &unclosed,
-        None,
-        None,
-        "the text ends inside <joint>, which starts on line 1",
-    );
+    refused(&unclosed, None, None, "the text ends inside <joint>, which starts on line 1");
 
     let count = 3000;
     let links: String = (0..=count).map(|i| format!("l{i} ")).collect();
     let joints: String = (0..count)
-        .map(|i| {
-            joint(
-                &format!("j{i}"),
-                "fixed",
-                &format!("l{i}"),
-                &format!("l{}", i + 1),
-                "",
-            )
-        })
+        .map(|i| joint(&format!("j{i}"), "fixed", &format!("l{i}"), &format!("l{}", i + 1), ""))
         .collect();
     let last = format!("l{count}");
     let error = Chain::from_urdf(&robot(&links, &joints), None, Some(&last));

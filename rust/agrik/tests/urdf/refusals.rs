@@ -9,22 +9,13 @@ fn texts_that_are_not_urdf() {
     for (text, message) in [
         ("", "the text is empty"),
         (" \n\t ", "the text is empty"),
-        (
-            "panda.urdf",
-            "not XML: no <robot> element in a text that starts with 'panda.urdf'",
-        ),
+        ("panda.urdf", "not XML: no <robot> element in a text that starts with 'panda.urdf'"),
         (
             "<!-- only a remark -->",
             "not XML: no <robot> element in a text that starts with '<!-- only a remark -->'",
         ),
-        (
-            "<sdf version=\"1.6\"></sdf>",
-            "the root element is <sdf>, not <robot>",
-        ),
-        (
-            "<robot>\n<link name=\"a\">\n",
-            "the text ends inside <link>, which starts on line 2",
-        ),
+        ("<sdf version=\"1.6\"></sdf>", "the root element is <sdf>, not <robot>"),
+        ("<robot>\n<link name=\"a\">\n", "the text ends inside <link>, which starts on line 2"),
         ("<robot/><robot/>", "line 1: a second root element"),
         ("<robot name=\"r\"/>", "no <link> in <robot>"),
         (
@@ -32,10 +23,7 @@ fn texts_that_are_not_urdf() {
             "no <link> in <robot>; this looks like a xacro file, expand it first",
         ),
         ("<robot>\n<link/></robot>", "line 2: <link> without a name"),
-        (
-            "<robot>\n<link name=\" \"/></robot>",
-            "line 2: <link> without a name",
-        ),
+        ("<robot>\n<link name=\" \"/></robot>", "line 2: <link> without a name"),
     ] {
         refused(text, None, None, message);
     }
@@ -50,9 +38,7 @@ fn xml_that_is_not_well_formed_names_the_line() {
         ("<robot>\n<link name=\"&nope;\"/></robot>", 2),
         ("<robot>\n<link name=\"a\"", 2),
     ] {
-        let error = Chain::from_urdf(text, None, None)
-            .expect_err(text)
-            .to_string();
+        let error = Chain::from_urdf(text, None, None).expect_err(text).to_string();
         let start = format!("URDF: not well-formed XML at line {line}: ");
         assert!(error.starts_with(&start), "{error}");
     }
@@ -63,16 +49,8 @@ fn structures_that_are_not_one_tree() {
     let ab = joint("j1", "revolute", "a", "b", LIMIT);
     let ba = joint("j2", "revolute", "b", "a", LIMIT);
     for (links, joints, message) in [
-        (
-            "a b",
-            ba.clone() + &ab,
-            "cyclic: from link 'a' joints 'j1', 'j2' lead back to it",
-        ),
-        (
-            "c a b",
-            ba.clone() + &ab,
-            "cyclic: from link 'a' joints 'j1', 'j2' lead back to it",
-        ),
+        ("a b", ba.clone() + &ab, "cyclic: from link 'a' joints 'j1', 'j2' lead back to it"),
+        ("c a b", ba.clone() + &ab, "cyclic: from link 'a' joints 'j1', 'j2' lead back to it"),
         (
             "a",
             joint("j", "fixed", "a", "a", ""),
@@ -88,11 +66,7 @@ fn structures_that_are_not_one_tree() {
             ab.clone() + &joint("j3", "fixed", "c", "b", ""),
             "link 'b' is the child of two joints, 'j1' and 'j3': not a tree",
         ),
-        (
-            "a b a",
-            ab.clone(),
-            "line 4: a second link named 'a', the first is on line 2",
-        ),
+        ("a b a", ab.clone(), "line 4: a second link named 'a', the first is on line 2"),
         (
             "a b c",
             ab.clone() + &joint("j1", "fixed", "b", "c", ""),
@@ -108,11 +82,7 @@ fn structures_that_are_not_one_tree() {
             "<joint name=\"j\"><child link=\"b\"/></joint>".to_string(),
             "joint 'j' (line 4): no <parent link=\"...\"/>",
         ),
-        (
-            "a b",
-            "<joint type=\"fixed\"/>".to_string(),
-            "line 4: <joint> without a name",
-        ),
+        ("a b", "<joint type=\"fixed\"/>".to_string(), "line 4: <joint> without a name"),
         ("a", String::new(), "no joint below base link 'a'"),
     ] {
         refused(&robot(links, &joints), None, None, message);
@@ -169,21 +139,9 @@ fn joints_that_cannot_be_used() {
             "joint 'j' (line 4): <origin> rpy: expected three finite numbers, got '0 0 ${pi/2}' \
              (a xacro expression: expand the file first)",
         ),
-        (
-            "continuous",
-            "<mimic/>",
-            "joint 'j' (line 4): <mimic> names no joint",
-        ),
-        (
-            "continuous",
-            "<mimic joint=\"k\"/>",
-            "joint 'j' (line 4): <mimic>: unknown joint 'k'",
-        ),
-        (
-            "continuous",
-            "<mimic joint=\"j\"/>",
-            "joint 'j' (line 4): <mimic> leads back to itself",
-        ),
+        ("continuous", "<mimic/>", "joint 'j' (line 4): <mimic> names no joint"),
+        ("continuous", "<mimic joint=\"k\"/>", "joint 'j' (line 4): <mimic>: unknown joint 'k'"),
+        ("continuous", "<mimic joint=\"j\"/>", "joint 'j' (line 4): <mimic> leads back to itself"),
         ("", "", "joint 'j' (line 4) has no type"),
         (
             "planar",
@@ -192,12 +150,7 @@ fn joints_that_cannot_be_used() {
              between base and tip; choose a base_link below it",
         ),
     ] {
-        refused(
-            &robot("a b", &joint("j", kind, "a", "b", inside)),
-            None,
-            None,
-            message,
-        );
+        refused(&robot("a b", &joint("j", kind, "a", "b", inside)), None, None, message);
     }
 }
 
@@ -205,10 +158,7 @@ fn joints_that_cannot_be_used() {
 fn followers_that_cannot_be_used() {
     let follower = |first: &str, second: &str| {
         let mimic = format!("{second}<mimic joint=\"a\"/>");
-        robot(
-            "l0 l1 l2",
-            &(first.to_string() + &joint("b", "prismatic", "l1", "l2", &mimic)),
-        )
+        robot("l0 l1 l2", &(first.to_string() + &joint("b", "prismatic", "l1", "l2", &mimic)))
     };
     refused(
         &follower(&joint("a", "fixed", "l0", "l1", ""), LIMIT),
@@ -217,10 +167,7 @@ fn followers_that_cannot_be_used() {
         "joint 'b' (line 6): <mimic> follows 'a', which does not move",
     );
     refused(
-        &follower(
-            &joint("a", "revolute", "l0", "l1", LIMIT),
-            "<limit lower=\"5\" upper=\"6\"/>",
-        ),
+        &follower(&joint("a", "revolute", "l0", "l1", LIMIT), "<limit lower=\"5\" upper=\"6\"/>"),
         None,
         None,
         "joint 'b' mimic: expected limits that overlap those of its source, got none in common",

@@ -57,13 +57,8 @@ struct Leader<'a> {
 
 impl<'a> Leader<'a> {
     fn of<'t>(tree: &'t Tree<'a>, follower: &'t Declared<'a>) -> Result<Option<Self>> {
-        let mut leader = Self {
-            name: follower.name,
-            multiplier: 1.0,
-            offset: 0.0,
-            limits: FREE,
-            bounds: FREE,
-        };
+        let mut leader =
+            Self { name: follower.name, multiplier: 1.0, offset: 0.0, limits: FREE, bounds: FREE };
         let mut current = follower;
         for _ in 0..=tree.joint_count() {
             let Some(element) = current.element.child("mimic") else {
@@ -72,9 +67,8 @@ impl<'a> Leader<'a> {
                 }
                 let kind = current.kind()?;
                 leader.name = current.name;
-                leader.limits = current
-                    .limits(kind)?
-                    .ok_or_else(|| current.without_limits(kind))?;
+                leader.limits =
+                    current.limits(kind)?.ok_or_else(|| current.without_limits(kind))?;
                 return Ok(Some(leader));
             };
             if !std::ptr::eq(current, follower)
@@ -94,15 +88,10 @@ impl<'a> Leader<'a> {
             current = tree.joint(source, &place)?;
             if current.kind()? == JointKind::Fixed {
                 let source = quoted(source);
-                return Err(fault(format!(
-                    "{place} follows {source}, which does not move"
-                )));
+                return Err(fault(format!("{place} follows {source}, which does not move")));
             }
         }
-        Err(fault(format!(
-            "{}: <mimic> leads back to itself",
-            follower.place()
-        )))
+        Err(fault(format!("{}: <mimic> leads back to itself", follower.place())))
     }
 
     fn into_mimic(self) -> Mimic {
@@ -157,10 +146,7 @@ impl Declared<'_> {
         let Some(element) = self.element.child("limit") else {
             return Ok(None);
         };
-        let (lower, upper) = (
-            self.number(element, "lower")?,
-            self.number(element, "upper")?,
-        );
+        let (lower, upper) = (self.number(element, "lower")?, self.number(element, "upper")?);
         if lower.is_none() && upper.is_none() {
             return Ok(None);
         }
@@ -168,19 +154,13 @@ impl Declared<'_> {
         let (lower, upper) = (lower.unwrap_or(0.0), upper.unwrap_or(0.0));
         if lower > upper {
             let place = self.place();
-            return Err(fault(format!(
-                "{place}: lower limit {lower} > upper limit {upper}"
-            )));
+            return Err(fault(format!("{place}: lower limit {lower} > upper limit {upper}")));
         }
         Ok(Some((lower, upper)))
     }
 
     fn without_limits(&self, kind: JointKind) -> Error {
-        let or = if kind == JointKind::Revolute {
-            " (or the type continuous)"
-        } else {
-            ""
-        };
+        let or = if kind == JointKind::Revolute { " (or the type continuous)" } else { "" };
         fault(format!(
             "{} is {} and needs <limit lower=\"...\" upper=\"...\"/>{or}",
             self.place(),
@@ -196,26 +176,18 @@ impl Declared<'_> {
         let [roll, pitch, yaw] = self.vector(element, "rpy")?.unwrap_or_default();
         // Turns about fixed axes: Rz(yaw) Ry(pitch) Rx(roll).
         let rotation = Rotation3::from_euler_angles(roll, pitch, yaw);
-        Ok(IsometryMatrix3::from_parts(
-            Translation3::new(x, y, z),
-            rotation,
-        ))
+        Ok(IsometryMatrix3::from_parts(Translation3::new(x, y, z), rotation))
     }
 
     fn axis(&self) -> Result<Unit<Vector3<f64>>> {
         let element = self.element.child("axis");
-        let stated = element
-            .map(|e| self.vector(e, "xyz"))
-            .transpose()?
-            .flatten();
+        let stated = element.map(|e| self.vector(e, "xyz")).transpose()?.flatten();
         // The format's default is x.
         let axis = Vector3::from(stated.unwrap_or([1.0, 0.0, 0.0]));
         let largest = axis.amax();
         if largest == 0.0 {
             let place = self.place();
-            return Err(fault(format!(
-                "{place}: the axis is zero, expected a direction"
-            )));
+            return Err(fault(format!("{place}: the axis is zero, expected a direction")));
         }
         // Scaled first, so that the squares of very short axes do not vanish.
         Ok(Unit::new_normalize(axis / largest))
@@ -241,27 +213,16 @@ impl Declared<'_> {
             .split_whitespace()
             .map(|word| word.parse().ok().filter(|x: &f64| x.is_finite()))
             .collect();
-        numbers
-            .and_then(|numbers| numbers.try_into().ok())
-            .map(Some)
-            .ok_or_else(|| {
-                let is_macro = text.contains("${") || text.contains("$(");
-                let hint = if is_macro {
-                    " (a xacro expression: expand the file first)"
-                } else {
-                    ""
-                };
-                let expected = if N == 1 {
-                    "a finite number"
-                } else {
-                    "three finite numbers"
-                };
-                fault(format!(
-                    "{}: <{}> {attribute}: expected {expected}, got {}{hint}",
-                    self.place(),
-                    element.name,
-                    quoted(text)
-                ))
-            })
+        numbers.and_then(|numbers| numbers.try_into().ok()).map(Some).ok_or_else(|| {
+            let is_macro = text.contains("${") || text.contains("$(");
+            let hint = if is_macro { " (a xacro expression: expand the file first)" } else { "" };
+            let expected = if N == 1 { "a finite number" } else { "three finite numbers" };
+            fault(format!(
+                "{}: <{}> {attribute}: expected {expected}, got {}{hint}",
+                self.place(),
+                element.name,
+                quoted(text)
+            ))
+        })
     }
 }

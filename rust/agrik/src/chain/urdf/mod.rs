@@ -25,9 +25,7 @@ pub(super) fn parse(text: &str, base_link: Option<&str>, tip_link: Option<&str>)
         .collect::<Result<Vec<_>>>()?;
     if joints.iter().all(|j| j.kind == super::JointKind::Fixed) {
         let names = text::listing(joints.iter().map(|j| j.name.as_str()));
-        return Err(fault(format!(
-            "no movable joint between base and tip, only {names}"
-        )));
+        return Err(fault(format!("no movable joint between base and tip, only {names}")));
     }
     let identity = IsometryMatrix3::identity();
     Chain::new(tree.name, joints, identity, identity, None).map_err(|error| match error {

@@ -36,9 +36,7 @@ pub(super) fn suggestion<'a>(name: &str, known: impl IntoIterator<Item = &'a str
         .map(|candidate| (distance(&wanted, &candidate.to_lowercase()), candidate))
         .filter(|(distance, _)| *distance <= limit)
         .min_by_key(|(distance, _)| *distance)
-        .map_or_else(String::new, |(_, candidate)| {
-            format!("; did you mean {}?", quoted(candidate))
-        })
+        .map_or_else(String::new, |(_, candidate)| format!("; did you mean {}?", quoted(candidate)))
 }
 
 /// Levenshtein distance: how many letters to insert, remove or replace.

@@ -71,13 +71,10 @@ impl<'a> Tree<'a> {
 
     /// The joint of a name; `place` says who asks.
     pub fn joint(&self, name: &str, place: &str) -> Result<&Declared<'a>> {
-        self.by_name
-            .get(name)
-            .map(|&i| &self.joints[i])
-            .ok_or_else(|| {
-                let hint = suggestion(name, self.joints.iter().map(|j| j.name));
-                fault(format!("{place}: unknown joint {}{hint}", quoted(name)))
-            })
+        self.by_name.get(name).map(|&i| &self.joints[i]).ok_or_else(|| {
+            let hint = suggestion(name, self.joints.iter().map(|j| j.name));
+            fault(format!("{place}: unknown joint {}{hint}", quoted(name)))
+        })
     }
 
     /// How many joints there are.
@@ -98,9 +95,7 @@ impl<'a> Tree<'a> {
         };
         if tip == base {
             let name = quoted(base);
-            return Err(fault(format!(
-                "base link and tip link are both {name}: no joint between"
-            )));
+            return Err(fault(format!("base link and tip link are both {name}: no joint between")));
         }
         let mut joints = Vec::new();
         let mut link = tip;
@@ -116,11 +111,8 @@ impl<'a> Tree<'a> {
     }
 
     fn not_below(&self, base: &str, tip: &str) -> crate::error::Error {
-        let mut message = format!(
-            "tip link {} is not below base link {}",
-            quoted(tip),
-            quoted(base)
-        );
+        let mut message =
+            format!("tip link {} is not below base link {}", quoted(tip), quoted(base));
         if self.is_above(tip, base) {
             message += "; the other way round it is";
         }
@@ -145,12 +137,8 @@ impl<'a> Tree<'a> {
             leaf.insert(joint.parent, false);
         }
         let is_leaf = |link: &str| leaf.get(link).copied().unwrap_or(false);
-        let leaves: Vec<&str> = self
-            .links
-            .iter()
-            .copied()
-            .filter(|l| is_leaf(l) && self.is_above(base, l))
-            .collect();
+        let leaves: Vec<&str> =
+            self.links.iter().copied().filter(|l| is_leaf(l) && self.is_above(base, l)).collect();
         match leaves[..] {
             [] => Err(fault(format!("no joint below base link {}", quoted(base)))),
             [only] => Ok(only),
@@ -163,26 +151,16 @@ impl<'a> Tree<'a> {
     }
 
     fn link(&self, role: &str, name: &str) -> Result<&'a str> {
-        self.links
-            .iter()
-            .copied()
-            .find(|&link| link == name)
-            .ok_or_else(|| {
-                let hint = suggestion(name, self.links.iter().copied());
-                let separator = if hint.is_empty() { "." } else { "" };
-                let known = listing(self.links.iter().copied());
-                fault(format!(
-                    "unknown {role} link {}{hint}{separator} Links: {known}",
-                    quoted(name)
-                ))
-            })
+        self.links.iter().copied().find(|&link| link == name).ok_or_else(|| {
+            let hint = suggestion(name, self.links.iter().copied());
+            let separator = if hint.is_empty() { "." } else { "" };
+            let known = listing(self.links.iter().copied());
+            fault(format!("unknown {role} link {}{hint}{separator} Links: {known}", quoted(name)))
+        })
     }
 
     fn roots(&self) -> impl Iterator<Item = &'a str> {
-        self.links
-            .iter()
-            .copied()
-            .filter(|link| !self.carrier.contains_key(link))
+        self.links.iter().copied().filter(|link| !self.carrier.contains_key(link))
     }
 
     fn declared(&self, element: &'a Element, links: &HashSet<&str>) -> Result<Declared<'a>> {
@@ -196,17 +174,9 @@ impl<'a> Tree<'a> {
                 return Ok(link);
             }
             let hint = suggestion(link, self.links.iter().copied());
-            Err(fault(format!(
-                "{place}: unknown {end} link {}{hint}",
-                quoted(link)
-            )))
+            Err(fault(format!("{place}: unknown {end} link {}{hint}", quoted(link))))
         };
-        Ok(Declared {
-            name,
-            parent: link_of("parent")?,
-            child: link_of("child")?,
-            element,
-        })
+        Ok(Declared { name, parent: link_of("parent")?, child: link_of("child")?, element })
     }
 
     /// Every link has at most one carrier, so a link from which the way up does not end
@@ -245,11 +215,7 @@ impl<'a> Tree<'a> {
             }
         }
         names.reverse();
-        format!(
-            "from link {} joints {} lead back to it",
-            quoted(link),
-            listing(names)
-        )
+        format!("from link {} joints {} lead back to it", quoted(link), listing(names))
     }
 }
 
@@ -268,11 +234,7 @@ fn links_of(robot: &Element) -> Result<Vec<&str>> {
     }
     if links.is_empty() {
         let is_macro = robot.children.iter().any(|e| e.name.starts_with("xacro:"));
-        let hint = if is_macro {
-            "; this looks like a xacro file, expand it first"
-        } else {
-            ""
-        };
+        let hint = if is_macro { "; this looks like a xacro file, expand it first" } else { "" };
         return Err(fault(format!("no <link> in <robot>{hint}")));
     }
     Ok(links)

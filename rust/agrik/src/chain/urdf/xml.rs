@@ -28,10 +28,7 @@ pub(super) struct Element {
 impl Element {
     /// The value of an attribute.
     pub fn attribute(&self, name: &str) -> Option<&str> {
-        self.attributes
-            .iter()
-            .find(|(key, _)| key == name)
-            .map(|(_, value)| value.as_str())
+        self.attributes.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
     }
 
     /// The first child of that name.
@@ -48,11 +45,7 @@ pub(super) fn read(text: &str) -> Result<Element> {
     }
     let mut reader = Reader::from_str(text);
     reader.config_mut().expand_empty_elements = true;
-    let mut lines = Lines {
-        text,
-        position: 0,
-        line: 1,
-    };
+    let mut lines = Lines { text, position: 0, line: 1 };
     let mut root = None;
     let mut open: Vec<Element> = Vec::new();
     // How many elements deep the reader is inside one that is passed over.
@@ -92,23 +85,17 @@ pub(super) fn read(text: &str) -> Result<Element> {
     }
     if let Some(element) = open.last() {
         let (name, line) = (&element.name, element.line);
-        return Err(fault(format!(
-            "the text ends inside <{name}>, which starts on line {line}"
-        )));
+        return Err(fault(format!("the text ends inside <{name}>, which starts on line {line}")));
     }
     root.ok_or_else(|| {
         let start: String = text.trim().chars().take(40).collect();
-        fault(format!(
-            "not XML: no <robot> element in a text that starts with {}",
-            quoted(&start)
-        ))
+        fault(format!("not XML: no <robot> element in a text that starts with {}", quoted(&start)))
     })
 }
 
 /// True where the elements inside the innermost open one do not matter.
 fn is_passed_over(open: &[Element]) -> bool {
-    open.last()
-        .is_some_and(|e| open.len() > 2 || (open.len() == 2 && e.name != "joint"))
+    open.last().is_some_and(|e| open.len() > 2 || (open.len() == 2 && e.name != "joint"))
 }
 
 fn element(tag: &BytesStart<'_>, line: usize) -> Result<Element> {
@@ -125,12 +112,7 @@ fn element(tag: &BytesStart<'_>, line: usize) -> Result<Element> {
         attributes.push((attribute.key.as_ref().to_string(), value));
     }
     let name = tag.name().as_ref().to_string();
-    Ok(Element {
-        name,
-        line,
-        attributes,
-        children: Vec::new(),
-    })
+    Ok(Element { name, line, attributes, children: Vec::new() })
 }
 
 fn position(offset: u64) -> usize {

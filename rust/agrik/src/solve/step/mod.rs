@@ -1,17 +1,27 @@
 //! Steps: from an error and a Jacobian to a change of the joint values.
 
+mod closed;
 mod damped;
+mod gains;
 mod pace;
 mod pseudo_inverse;
+pub(super) mod pulled;
 mod transpose;
+
+use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::lanes::Real;
 
+pub(super) use gains::{Feedback, Sparse, middle};
+pub use gains::{GainUnits, Matrix, Pid, PidOrder, StateSpace, StaticGain};
 pub use pace::Pace;
 
 /// How a step is computed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+///
+/// The first five work with the Jacobian of the present posture; the others are feedback
+/// laws that look at the error alone and may remember something from step to step.
+#[derive(Debug, Clone, PartialEq)]
 pub enum Step {
     /// `alpha J^T e` with the length that minimises the linear error (Buss 2004).
     Transpose,
@@ -26,6 +36,8 @@ pub enum Step {
         /// Relative cutoff of singular values, in (0, 1).
         cutoff: f64,
     },
+    /// `J^T (J J^T)^-1 e`, with no step where `J J^T` is singular.
+    ClosedPseudoInverse,
     /// `J^T (J J^T + damping^2)^-1 e` (Nakamura and Hanafusa 1986, Wampler 1986).
     Damped {
         /// Damping, m.
@@ -37,10 +49,40 @@ pub enum Step {
         /// Share of half the squared error that is added to the diagonal.
         damping: f64,
     },
+    /// One joint after the other, tip first, to where it brings the tool point nearest
+    /// within its limits. Positions only.
+    CyclicCoordinateDescent,
+    /// One joint after the other, by a PID law of the error's length.
+    IkPid(Pid),
+    /// A linear discrete-time system from the error to the change. Without gains: the
+    /// frozen pseudo-inverse of the posture in the middle of the limits.
+    StateSpace(Option<Arc<StateSpace>>),
+    /// A constant matrix from the error to the change; without one, as for a state space.
+    StaticGain(Option<Arc<StaticGain>>),
+    /// A matrix as for a static gain that learns from what each step did (Broyden's
+    /// second update).
+    Broyden {
+        /// The first matrix.
+        gain: Option<Arc<StaticGain>>,
+        /// Steps without improvement after which the first matrix is taken again.
+        patience: u32,
+    },
+}
+
+/// Where the first attempt starts if the caller gives no start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum StartRule {
+    /// A sampled posture.
+    #[default]
+    Sampled,
+    /// All joint values zero, clamped into the limits.
+    Zero,
+    /// The middle of the limits; zero for continuous joints.
+    Middle,
 }
 
 /// A step rule and the caps of the loop around it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// How a step is computed.
     pub step: Step,
@@ -48,8 +90,13 @@ pub struct Settings {
     pub max_iterations: u32,
     /// Attempts after the first before the target is given up.
     pub max_restarts: u32,
-    /// Longest change of one joint in one step, rad or m.
+    /// Longest change of one joint in one step, rad or m. Feedback laws take full steps.
     pub max_step: f64,
+    /// As textbooks have it: full use of `max_step`, then limits by saturation alone, no
+    /// extra steps for slow convergence, and stalled attempts reported as such.
+    pub plain: bool,
+    /// Where the first attempt starts if the caller gives no start.
+    pub start: StartRule,
     /// The part of the error that one step is to remove.
     pub pace: Pace,
 }
@@ -61,6 +108,8 @@ impl Settings {
         max_iterations: 10,
         max_restarts: 100,
         max_step: 1.0,
+        plain: false,
+        start: StartRule::Sampled,
         pace: Pace::Full,
     };
     /// Damped least squares.
@@ -69,6 +118,8 @@ impl Settings {
         max_iterations: 60,
         max_restarts: 100,
         max_step: 1.0,
+        plain: false,
+        start: StartRule::Sampled,
         pace: Pace::Full,
     };
     /// Pseudo-inverse.
@@ -77,6 +128,18 @@ impl Settings {
         max_iterations: 60,
         max_restarts: 100,
         max_step: 1.0,
+        plain: false,
+        start: StartRule::Sampled,
+        pace: Pace::Full,
+    };
+    /// Pseudo-inverse in closed form.
+    pub const CLOSED_PSEUDO_INVERSE: Self = Self {
+        step: Step::ClosedPseudoInverse,
+        max_iterations: 60,
+        max_restarts: 100,
+        max_step: 1.0,
+        plain: false,
+        start: StartRule::Sampled,
         pace: Pace::Full,
     };
     /// Jacobian transpose.
@@ -85,22 +148,82 @@ impl Settings {
         max_iterations: 2000,
         max_restarts: 20,
         max_step: 1.0,
+        plain: false,
+        start: StartRule::Sampled,
+        pace: Pace::Full,
+    };
+
+    /// Cyclic coordinate descent.
+    pub const DESCENT: Self = Self {
+        step: Step::CyclicCoordinateDescent,
+        max_iterations: 500,
+        max_restarts: 20,
+        max_step: 1.0,
+        plain: true,
+        start: StartRule::Sampled,
+        pace: Pace::Full,
+    };
+    /// IK-PID with the published gains, 0.012, 1e-7 and 0.08 degrees per mm.
+    pub const IK_PID: Self = Self {
+        step: Step::IkPid(Pid::PUBLISHED),
+        max_iterations: 1000,
+        max_restarts: 20,
+        max_step: 1.0,
+        plain: true,
+        start: StartRule::Sampled,
+        pace: Pace::Full,
+    };
+    /// State space with a frozen pseudo-inverse.
+    pub const STATE_SPACE: Self = Self {
+        step: Step::StateSpace(None),
+        max_iterations: 400,
+        max_restarts: 20,
+        max_step: 1.0,
+        plain: true,
+        start: StartRule::Sampled,
+        pace: Pace::Full,
+    };
+    /// Static gain: a frozen pseudo-inverse.
+    pub const STATIC_GAIN: Self = Self {
+        step: Step::StaticGain(None),
+        max_iterations: 400,
+        max_restarts: 20,
+        max_step: 1.0,
+        plain: true,
+        start: StartRule::Sampled,
+        pace: Pace::Full,
+    };
+    /// Broyden's update of a frozen pseudo-inverse.
+    pub const BROYDEN: Self = Self {
+        step: Step::Broyden { gain: None, patience: 8 },
+        max_iterations: 100,
+        max_restarts: 100,
+        max_step: 1.0,
+        plain: true,
+        start: StartRule::Sampled,
         pace: Pace::Full,
     };
 
     /// Refuses numbers outside their ranges.
     pub fn check(&self) -> Result<()> {
-        let (name, value, ok) = match self.step {
-            Step::Transpose => ("step", 0.0, true),
-            Step::FixedTranspose { alpha } => ("alpha", alpha, alpha > 0.0 && alpha.is_finite()),
-            Step::PseudoInverse { cutoff } => ("cutoff", cutoff, cutoff > 0.0 && cutoff < 1.0),
+        let (name, value, ok) = match &self.step {
+            Step::PseudoInverse { cutoff } => ("cutoff", *cutoff, *cutoff > 0.0 && *cutoff < 1.0),
+            Step::FixedTranspose { alpha } => ("alpha", *alpha, *alpha > 0.0 && alpha.is_finite()),
             Step::Damped { damping } | Step::LevenbergMarquardt { damping } => {
-                ("damping", damping, damping > 0.0 && damping.is_finite())
+                ("damping", *damping, *damping > 0.0 && damping.is_finite())
             }
+            Step::IkPid(pid) => return pid.check().and(self.check_loop()),
+            Step::Broyden { patience, .. } => ("patience", f64::from(*patience), *patience > 0),
+            // Matrices are checked against the chain when a plan is made.
+            _ => ("step", 0.0, true),
         };
         if !ok {
             return Err(Error::argument(name, "a number in its range (see the solver)", value));
         }
+        self.check_loop()
+    }
+
+    fn check_loop(&self) -> Result<()> {
         self.pace.check()?;
         if self.max_iterations == 0 {
             return Err(Error::argument("max_iterations", "at least 1", 0));
@@ -133,16 +256,28 @@ impl Settings {
 }
 
 impl Step {
-    /// The change of the joint values. Columns of joints that are held are zero; so is
-    /// their change.
+    /// A step that moves the tool by less than this share of the error leads nowhere: what
+    /// would help is held at its limits. Steps down the gradient are short by nature.
     #[inline(always)]
-    fn compute<R: Real, const M: usize>(
+    pub(super) fn stall(&self) -> f64 {
+        match self {
+            Self::Transpose => 1e-9,
+            Self::LevenbergMarquardt { .. } => 0.1,
+            _ => 3e-3,
+        }
+    }
+
+    /// The change of the joint values. Columns of joints that are held are zero; so is
+    /// their change. `columns` are those of the Jacobian, in the task's rows.
+    #[inline(always)]
+    pub fn compute<R: Real, const M: usize>(
         &self,
         columns: &[[R; M]],
         error: &[R; M],
         change: &mut [R],
     ) {
         match *self {
+            Self::ClosedPseudoInverse => closed::step(columns, error, change),
             Self::Transpose => transpose::step(columns, error, change),
             Self::FixedTranspose { alpha } => transpose::fixed_step(columns, error, alpha, change),
             Self::PseudoInverse { cutoff } => pseudo_inverse::step(columns, error, cutoff, change),
@@ -154,6 +289,12 @@ impl Step {
                 let added = squared.mul_add(R::splat(0.5 * damping), R::splat(1e-12));
                 damped::step(columns, error, added, change);
             }
+            // Feedback laws have no use for a Jacobian and never come here.
+            Self::CyclicCoordinateDescent
+            | Self::IkPid(_)
+            | Self::StateSpace(_)
+            | Self::StaticGain(_)
+            | Self::Broyden { .. } => {}
         }
     }
 }

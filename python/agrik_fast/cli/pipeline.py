@@ -1,0 +1,93 @@
+"""Targets to results: a thread that reads, one that solves, and the caller who writes.
+
+The stages overlap, and bounded queues between them keep the memory the same however long the
+file is. The caller's thread never enters the solver, so Ctrl-C is answered at once however
+long that stays in compiled code.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Generator, Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._background import ahead
+from ..io import ResultChunk, TargetChunk
+from ..result import IkResult
+
+# A piece is what one call of the solver gets: long enough to keep every core busy, short
+# enough that the bar moves.
+PIECE_S = 0.2
+FIRST_PIECE = 64
+LARGEST_PIECE = 65_536
+CHUNKS_AHEAD = 2
+PIECES_AHEAD = 4
+
+
+Solve = Callable[[NDArray[np.float64], int], IkResult]
+"""Solves targets, the first of which has an index within the file."""
+
+
+class Pipeline:
+    """Solves chunks of targets piece by piece.
+
+    Parameters
+    ----------
+    chunks : iterable of TargetChunk
+        Read in a thread.
+    solve : callable
+        Called in another thread.
+
+    Attributes
+    ----------
+    solve_s : float
+        Seconds spent in `solve` so far.
+    """
+
+    def __init__(self, chunks: Iterable[TargetChunk], solve: Solve) -> None:
+        self._chunks = chunks
+        self._solve = solve
+        self._size = FIRST_PIECE
+        self.solve_s = 0.0
+
+    def pieces(self) -> Generator[ResultChunk]:
+        """Return the results in order; closing the generator ends the threads."""
+        read = ahead(self._chunks, CHUNKS_AHEAD, "agrik-fast-read")
+        return ahead(self._solved(read), PIECES_AHEAD, "agrik-fast-solve")
+
+    def _solved(self, chunks: Generator[TargetChunk]) -> Generator[ResultChunk]:
+        try:
+            for chunk in chunks:
+                yield from self._solved_chunk(chunk)
+        finally:
+            chunks.close()
+
+    def _solved_chunk(self, chunk: TargetChunk) -> Generator[ResultChunk]:
+        at = 0
+        while at < len(chunk):
+            part = slice(at, at + self._size)
+            started = time.perf_counter()
+            result = self._solve(chunk.targets[part], chunk.first + at)
+            piece = _as_chunk(result, chunk.ids[part])
+            took = time.perf_counter() - started
+            self.solve_s += took
+            at += len(piece)
+            fit = int(len(piece) * PIECE_S / max(took, 1e-6))
+            self._size = max(1, min(fit, 8 * self._size, LARGEST_PIECE))
+            yield piece
+
+
+def _as_chunk(result: IkResult, ids: NDArray[Any]) -> ResultChunk:
+    return ResultChunk(
+        ids=ids,
+        q=result.q,
+        status=result.status,
+        success=result.success,
+        position_error=result.position_error,
+        orientation_error=result.orientation_error,
+        iterations=result.iterations,
+        restarts=result.restarts,
+    )

@@ -1,0 +1,47 @@
+//! One call of the solver for `make callgrind`, which counts its instructions.
+//!
+//! Arguments: robot, task (pose or position), number of targets. The instruction set is the
+//! environment's, `AGRIK_SIMD`. Prints what was solved; only [`measured`] is counted, so the
+//! program's start and the making of targets are not.
+
+mod common;
+
+use std::hint::black_box;
+use std::process::ExitCode;
+
+use agrik::batch;
+use agrik::lanes::Level;
+use agrik::solve::{Answers, Goals, Plan};
+use agrik::task::Task;
+use common::arms::{arm, points, poses};
+use common::plan;
+
+/// The counted call; `benches/instructions.py` knows it by this name.
+#[inline(never)]
+fn measured(plan: &Plan<'_>) -> Option<Answers> {
+    batch::solve(black_box(plan), 1, &mut || true).ok()
+}
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    let [robot, task, count] = &words[..] else {
+        eprintln!("usage: instructions ROBOT pose|position TARGETS");
+        return ExitCode::from(2);
+    };
+    let Ok(count) = count.parse() else {
+        eprintln!("instructions: '{count}' is no number of targets");
+        return ExitCode::from(2);
+    };
+    let chain = arm(robot);
+    let poses = poses(&chain, count, 6);
+    let points = points(&poses);
+    let plan = if task == "position" {
+        plan(&chain, Task::Position, Goals::Positions { points: &points, direction: None })
+    } else {
+        plan(&chain, Task::Pose, Goals::Poses(&poses))
+    };
+    let Some(answers) = measured(&plan) else { return ExitCode::FAILURE };
+    let solved = (0..answers.len()).filter(|&row| answers.success(row)).count();
+    println!("level {} solved {solved} of {count}", Level::in_use().name());
+    ExitCode::SUCCESS
+}

@@ -1,0 +1,112 @@
+//! Poses and Jacobians of many configurations, several in step.
+
+use super::{Workspace, columns, forward};
+use crate::chain::{Chain, Tail};
+use crate::lanes::{Kernel, Level, Real, V3, dispatch, dispatch_single};
+
+/// Numbers of one pose.
+const POSE: usize = 16;
+
+/// Tool poses of all rows of `q` (`dof` numbers each), 16 numbers a pose, row by row.
+pub fn tool_poses(chain: &Chain, q: &[f64], out: &mut [f64]) {
+    run(q.len() / chain.dof(), Poses { chain, q, out });
+}
+
+/// Jacobians of all rows of `q`, `6 * dof` numbers each, row by row.
+pub fn tool_jacobians(chain: &Chain, q: &[f64], out: &mut [f64]) {
+    run(q.len() / chain.dof(), Jacobians { chain, q, out });
+}
+
+/// Runs a kernel over rows; a pass over all lanes does not pay for one or two of them.
+fn run<K: Kernel>(rows: usize, kernel: K) -> K::Output {
+    let level = Level::in_use();
+    if rows <= 2 { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
+}
+
+struct Poses<'a> {
+    chain: &'a Chain,
+    q: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl Kernel for Poses<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        let compiled = self.chain.compiled();
+        let dof = compiled.dof;
+        let mut workspace = Workspace::<R>::new(compiled);
+        let mut q = vec![R::zero(); dof];
+        let groups = self.q.chunks(dof * R::WIDTH).zip(self.out.chunks_mut(POSE * R::WIDTH));
+        for (from, to) in groups {
+            let rows = from.len() / dof;
+            load(from, dof, rows, &mut q);
+            forward(compiled, &q, &mut workspace);
+            let pose = pose_rows(&workspace, &compiled.tail);
+            for (i, x) in pose.iter().enumerate() {
+                for (row, matrix) in to.chunks_exact_mut(POSE).enumerate() {
+                    matrix[i] = x.lane(row);
+                }
+            }
+        }
+    }
+}
+
+/// The 16 numbers of the tool's pose, row by row.
+#[inline(always)]
+fn pose_rows<R: Real>(workspace: &Workspace<R>, tail: &Tail) -> [R; POSE] {
+    let [x, y, z]: [V3<R>; 3] = workspace.tool_axes(&tail.rotation);
+    let p = workspace.tool_point(tail.translation);
+    let (zero, one) = (R::zero(), R::splat(1.0));
+    [x[0], y[0], z[0], p[0], x[1], y[1], z[1], p[1], x[2], y[2], z[2], p[2], zero, zero, zero, one]
+}
+
+struct Jacobians<'a> {
+    chain: &'a Chain,
+    q: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl Kernel for Jacobians<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        let compiled = self.chain.compiled();
+        let dof = compiled.dof;
+        let size = 6 * dof;
+        let mut workspace = Workspace::<R>::new(compiled);
+        let mut q = vec![R::zero(); dof];
+        let mut sums = vec![R::zero(); size];
+        let groups = self.q.chunks(dof * R::WIDTH).zip(self.out.chunks_mut(size * R::WIDTH));
+        for (from, to) in groups {
+            let rows = from.len() / dof;
+            load(from, dof, rows, &mut q);
+            forward(compiled, &q, &mut workspace);
+            let point = workspace.tool_point(compiled.tail.translation);
+            sums.fill(R::zero());
+            columns(compiled, &workspace, point, |variable, linear, angular| {
+                for k in 0..3 {
+                    sums[k * dof + variable] += linear[k];
+                    sums[(k + 3) * dof + variable] += angular[k];
+                }
+            });
+            for (i, x) in sums.iter().enumerate() {
+                for (row, matrix) in to.chunks_exact_mut(size).enumerate() {
+                    matrix[i] = x.lane(row);
+                }
+            }
+        }
+    }
+}
+
+/// Puts `rows` rows of joint values into the lanes; lanes without a row repeat the last.
+#[inline(always)]
+fn load<R: Real>(from: &[f64], dof: usize, rows: usize, q: &mut [R]) {
+    for (i, x) in q.iter_mut().enumerate() {
+        for lane in 0..R::WIDTH {
+            x.set_lane(lane, from[lane.min(rows - 1) * dof + i]);
+        }
+    }
+}

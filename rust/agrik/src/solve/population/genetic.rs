@@ -1,0 +1,168 @@
+//! A real-coded genetic algorithm: tournaments, simulated binary crossover (Deb and
+//! Agrawal 1995), Gaussian mutation, elites.
+
+use super::boundary::Boundary;
+use super::evaluator::{Evaluator, Fitness, Gene, Population};
+use super::progress::{End, Progress};
+use super::random::Stream;
+use crate::error::{Error, Result};
+use crate::lanes::Real;
+
+/// How a generation is bred.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Genetic {
+    /// Individuals that compete to become a parent.
+    pub tournament: u32,
+    /// Share of pairs that are crossed.
+    pub crossover_rate: f64,
+    /// Distribution index of the crossover: the larger, the nearer children are to parents.
+    pub crossover_index: f64,
+    /// Chance of a gene to mutate.
+    pub mutation_rate: f64,
+    /// Standard deviation of a mutation, relative to the gene's range.
+    pub mutation_width: f64,
+    /// Best individuals that live on as they are.
+    pub elites: u32,
+    /// What becomes of genes out of range.
+    pub boundary: Boundary,
+}
+
+impl Genetic {
+    /// Refuses numbers outside their ranges.
+    pub fn check(&self, population: u32) -> Result<()> {
+        if !(1..=population).contains(&self.tournament) {
+            let expected = format!("a whole number, 1 to the population, {population}");
+            return Err(Error::argument("tournament", expected, self.tournament));
+        }
+        if self.elites >= population {
+            let expected = format!("a whole number below the population, {population}");
+            return Err(Error::argument("elites", expected, self.elites));
+        }
+        for (name, value, most) in [
+            ("crossover_rate", self.crossover_rate, 1.0),
+            ("crossover_index", self.crossover_index, f64::MAX),
+            ("mutation_rate", self.mutation_rate, 1.0),
+            ("mutation_width", self.mutation_width, f64::MAX),
+        ] {
+            if !(value >= 0.0 && value <= most) {
+                let expected = if most == 1.0 { "a number, 0 to 1" } else { "a number >= 0" };
+                return Err(Error::argument(name, expected, value));
+            }
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    pub(super) fn run<R: Real, F: Fitness<R>>(
+        &self,
+        genes: &[Gene],
+        evaluator: &mut Evaluator<'_, R, F>,
+        population: &mut Population<R>,
+        stream: &mut Stream,
+        progress: &mut Progress,
+        keep_going: &mut dyn FnMut() -> bool,
+    ) -> End {
+        let mut children = Population::<R>::new(population.size, population.dof);
+        let mut order = Vec::new();
+        loop {
+            if let Some(end) = progress.note(population.cost_of(population.best())) {
+                return end;
+            }
+            if !keep_going() {
+                return End::Interrupted;
+            }
+            self.breed(genes, population, &mut children, &mut order, stream);
+            evaluator.evaluate(&mut children);
+            std::mem::swap(population, &mut children);
+            progress.generations += 1;
+        }
+    }
+
+    fn breed<R: Real>(
+        &self,
+        genes: &[Gene],
+        population: &Population<R>,
+        children: &mut Population<R>,
+        order: &mut Vec<usize>,
+        stream: &mut Stream,
+    ) {
+        let dof = population.dof;
+        let (mut a, mut b) = (vec![0.0; dof], vec![0.0; dof]);
+        population.ranked(order);
+        let mut made = self.elites as usize;
+        for (i, &elite) in order[..made].iter().enumerate() {
+            population.read(elite, &mut a);
+            children.write(i, &a);
+        }
+        while made < population.size {
+            population.read(self.parent(population, stream), &mut a);
+            population.read(self.parent(population, stream), &mut b);
+            if stream.uniform() < self.crossover_rate {
+                self.cross(&mut a, &mut b, stream);
+            }
+            for child in [&mut a, &mut b] {
+                if made == population.size {
+                    break;
+                }
+                for (x, gene) in child.iter_mut().zip(genes) {
+                    if stream.uniform() < self.mutation_rate {
+                        *x += self.mutation_width * (gene.upper - gene.lower) * stream.normal();
+                    }
+                    *x = self.boundary.apply(*x, gene, stream);
+                }
+                children.write(made, child);
+                made += 1;
+            }
+        }
+    }
+
+    /// The best of a few drawn individuals.
+    fn parent<R: Real>(&self, population: &Population<R>, stream: &mut Stream) -> usize {
+        let mut best = stream.below(population.size);
+        for _ in 1..self.tournament {
+            let other = stream.below(population.size);
+            if population.cost_of(other) < population.cost_of(best) {
+                best = other;
+            }
+        }
+        best
+    }
+
+    /// Simulated binary crossover: children spread about their parents as the children of
+    /// two bit strings would.
+    fn cross(&self, a: &mut [f64], b: &mut [f64], stream: &mut Stream) {
+        for (x, y) in a.iter_mut().zip(b) {
+            let (swap, u) = (stream.uniform(), stream.uniform());
+            let power = 1.0 / (self.crossover_index + 1.0);
+            let spread =
+                if u <= 0.5 { (2.0 * u).powf(power) } else { (0.5 / (1.0 - u)).powf(power) };
+            if swap < 0.5 {
+                let (middle, half) = (0.5 * (*x + *y), 0.5 * spread * (*y - *x));
+                (*x, *y) = (middle - half, middle + half);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn crossed_genes_keep_their_mean() {
+        let crate::solve::population::Algorithm::Genetic(it) =
+            crate::solve::population::Settings::GENETIC.algorithm
+        else {
+            panic!("the genetic algorithm")
+        };
+        let mut stream = Stream::new(4);
+        let mut changed = 0;
+        for _ in 0..1000 {
+            let (mut a, mut b) = (vec![1.0], vec![3.0]);
+            it.cross(&mut a, &mut b, &mut stream);
+            assert!((a[0] + b[0] - 4.0).abs() < 1e-12);
+            changed += u32::from(a[0] != 1.0);
+        }
+        assert!((400..600).contains(&changed));
+    }
+}

@@ -1,0 +1,363 @@
+//! The search for one target after the other: seeds, restarts, polish, record of answers.
+
+use super::evaluator::{Evaluator, Gene, Population};
+use super::fitness::{EulerGoal, TaskFitness};
+use super::progress::{End, Progress};
+use super::random::Stream;
+use super::settings::Settings;
+use crate::error::{Error, Result};
+use crate::kinematics::{Workspace, forward};
+use crate::lanes::{Kernel, Level, Real, dispatch};
+use crate::solve::plan::{Answers, AnswersMut, INSIDE, Outcome, Plan, Status};
+use crate::solve::{Solve, step};
+use crate::task::Goal;
+
+/// Best individuals that are polished side by side.
+const POLISHED: usize = 8;
+/// The step solver that polishes: one attempt from each individual, with some patience.
+const POLISH: step::Settings =
+    step::Settings { max_iterations: 20, max_restarts: 0, ..step::Settings::LEVENBERG_MARQUARDT };
+
+/// Share of the way to the start values that a polishing step tries to go, where the
+/// search is to keep near them.
+const PULL: f64 = 0.5;
+/// A run that has not improved for so many generations is at a local minimum.
+const STUCK: u32 = 30;
+
+/// A population search for the targets of a plan.
+///
+/// The plan's own step settings are not used; its seed and indices are.
+#[derive(Debug, Clone)]
+pub struct Evolution<'a> {
+    plan: Plan<'a>,
+    settings: Settings,
+    orientation_weight: f64,
+}
+
+impl<'a> Evolution<'a> {
+    /// A checked search.
+    pub fn new(plan: Plan<'a>, settings: Settings) -> Result<Self> {
+        settings.check_for(&plan.task)?;
+        let orientation_weight =
+            settings.orientation_weight.unwrap_or(settings.position_weight * plan.rotation_scale);
+        Ok(Self { plan, settings, orientation_weight })
+    }
+
+    /// The best cost of the first population of target `row` and after each generation of
+    /// its first run; the curve that papers print.
+    pub fn trace(&self, level: Level, row: usize) -> Result<Vec<f64>> {
+        let goal = self
+            .plan
+            .goal(row)
+            .ok_or_else(|| Error::argument("targets", "finite numbers", "NaN or infinity"))?;
+        Ok(dispatch(level, Trace { evolution: self, level, row, goal }))
+    }
+
+    #[inline(always)]
+    fn fitness<R: Real>(&self, row: usize, goal: &Goal<f64>) -> TaskFitness<'_, R> {
+        let plan = &self.plan;
+        let mut lanes = Goal::zero();
+        for lane in 0..R::WIDTH {
+            lanes.set_lane(lane, goal);
+        }
+        let start = plan.starts.row(row, plan.chain.dof());
+        let weight = self.settings.start_weight;
+        TaskFitness {
+            task: plan.task,
+            orientation: self.settings.orientation,
+            position_weight: self.settings.position_weight,
+            orientation_weight: self.orientation_weight,
+            tail: plan.tail,
+            plain_tail: plan.tail.rotation == [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            goal: lanes,
+            target: EulerGoal::of(tool_axes(goal, &plan.tail.rotation)),
+            start: start.filter(|_| weight > 0.0).map(|q| (weight, q)),
+        }
+    }
+}
+
+/// Axes of the tool at a pose goal, which is given as axes of the last joint.
+fn tool_axes(goal: &Goal<f64>, tail: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    tail.map(|column| [0, 1, 2].map(|k| (0..3).map(|j| goal.axes[j][k] * column[j]).sum::<f64>()))
+}
+
+impl Solve for Evolution<'_> {
+    fn rows(&self) -> usize {
+        self.plan.rows()
+    }
+    fn dof(&self) -> usize {
+        self.plan.dof()
+    }
+    /// A target takes about as long as hundreds do with a step solver.
+    fn run_length(&self) -> usize {
+        4
+    }
+    fn run<'a>(
+        &self,
+        level: Level,
+        next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
+        keep_going: &mut dyn FnMut() -> bool,
+    ) -> bool {
+        dispatch(level, Searches { evolution: self, level, next, keep_going })
+    }
+}
+
+struct Searches<'k, 'a> {
+    evolution: &'k Evolution<'k>,
+    level: Level,
+    next: &'k mut dyn FnMut() -> Option<AnswersMut<'a>>,
+    keep_going: &'k mut dyn FnMut() -> bool,
+}
+
+impl Kernel for Searches<'_, '_> {
+    type Output = bool;
+    #[inline(always)]
+    fn run<R: Real>(self) -> bool {
+        let mut search = Search::<R>::new(self.evolution, self.level);
+        while let Some(mut rows) = (self.next)() {
+            for i in 0..rows.len() {
+                let Some(outcome) = search.solve(rows.first + i, self.keep_going) else {
+                    return false;
+                };
+                rows.finish(i, outcome).copy_from_slice(&search.found.q);
+            }
+        }
+        true
+    }
+}
+
+struct Trace<'k> {
+    evolution: &'k Evolution<'k>,
+    level: Level,
+    row: usize,
+    goal: Goal<f64>,
+}
+
+impl Kernel for Trace<'_> {
+    type Output = Vec<f64>;
+    #[inline(always)]
+    fn run<R: Real>(self) -> Vec<f64> {
+        let mut search = Search::<R>::new(self.evolution, self.level);
+        let mut progress = Progress::new(&self.evolution.settings);
+        progress.trace = Some(Vec::new());
+        search.evolve(self.row, 0, &self.goal, &mut progress, &mut || true);
+        progress.trace.unwrap_or_default()
+    }
+}
+
+/// The best posture of a target so far.
+struct Found {
+    q: Vec<f64>,
+    /// What postures are compared by: reached ones first, then by this, m^2.
+    squared: f64,
+    reached: bool,
+    position_error: f64,
+    orientation_error: f64,
+}
+
+/// Buffers of one thread.
+struct Search<'e, R: Real> {
+    evolution: &'e Evolution<'e>,
+    level: Level,
+    genes: Vec<Gene>,
+    population: Population<R>,
+    workspace: Workspace<f64>,
+    order: Vec<usize>,
+    q: Vec<f64>,
+    found: Found,
+}
+
+impl<'e, R: Real> Search<'e, R> {
+    fn new(evolution: &'e Evolution<'e>, level: Level) -> Self {
+        let chain = evolution.plan.chain;
+        let dof = chain.dof();
+        Self {
+            evolution,
+            level,
+            genes: Gene::of(chain, None),
+            population: Population::new(evolution.settings.population as usize, dof),
+            workspace: Workspace::new(chain.compiled()),
+            order: Vec::new(),
+            q: vec![0.0; dof],
+            found: Found {
+                q: vec![0.0; dof],
+                squared: f64::INFINITY,
+                reached: false,
+                position_error: f64::INFINITY,
+                orientation_error: f64::INFINITY,
+            },
+        }
+    }
+
+    /// Solves a target; `None` where the caller wants to stop.
+    #[inline(always)]
+    fn solve(&mut self, row: usize, keep_going: &mut dyn FnMut() -> bool) -> Option<Outcome> {
+        let (plan, settings) = (&self.evolution.plan, &self.evolution.settings);
+        self.forget();
+        let mut outcome = Outcome {
+            status: Status::BadInput,
+            position_error: f64::INFINITY,
+            orientation_error: f64::INFINITY,
+            iterations: 0,
+            restarts: 0,
+        };
+        let Some(goal) = plan.goal(row) else { return Some(outcome) };
+        let start = plan.starts.row(row, plan.chain.dof());
+        if start.is_some() {
+            self.genes = Gene::of(plan.chain, start);
+        }
+        let unreachable = plan.proven_unreachable(&goal);
+        outcome.status = if unreachable { Status::OutOfReach } else { Status::NotFound };
+        if settings.polish && start.is_some() {
+            // What is near the start values needs no search.
+            self.take_start(start);
+            self.polish(row, &goal, 1);
+        }
+        while !self.found.reached {
+            let mut progress = Progress::new(settings);
+            let end = self.evolve(row, outcome.restarts, &goal, &mut progress, keep_going);
+            if end == End::Interrupted {
+                return None;
+            }
+            if !unreachable {
+                let stuck = end == End::Stagnation || progress.standing_still() > STUCK;
+                outcome.status = if stuck { Status::Stalled } else { Status::NotFound };
+            }
+            outcome.iterations += progress.generations;
+            self.population.ranked(&mut self.order);
+            let best = self.order[0];
+            self.population.read(best, &mut self.q);
+            self.consider(&goal, start);
+            if settings.polish && !self.found.reached {
+                self.polish(row, &goal, POLISHED);
+            }
+            if self.found.reached || unreachable || outcome.restarts == settings.max_restarts {
+                break;
+            }
+            outcome.restarts += 1;
+        }
+        if self.found.reached {
+            outcome.status = Status::Converged;
+        }
+        outcome.position_error = self.found.position_error;
+        outcome.orientation_error = self.found.orientation_error;
+        Some(outcome)
+    }
+
+    /// A posture inside the limits stands in until a better one is found.
+    fn forget(&mut self) {
+        let variables = self.evolution.plan.chain.variables();
+        for (x, v) in self.found.q.iter_mut().zip(variables) {
+            *x = 0.0f64.clamp(v.lower, v.upper);
+        }
+        self.found.squared = f64::INFINITY;
+        self.found.reached = false;
+        self.found.position_error = f64::INFINITY;
+        self.found.orientation_error = f64::INFINITY;
+    }
+
+    /// One run of the algorithm.
+    #[inline(always)]
+    fn evolve(
+        &mut self,
+        row: usize,
+        attempt: u32,
+        goal: &Goal<f64>,
+        progress: &mut Progress,
+        keep_going: &mut dyn FnMut() -> bool,
+    ) -> End {
+        let evolution = self.evolution;
+        let plan = &evolution.plan;
+        let fitness = evolution.fitness::<R>(row, goal);
+        let mut evaluator = Evaluator::new(plan.chain.compiled(), fitness);
+        let mut stream = Stream::new(plan.sampler.key(row, attempt));
+        let start = plan.starts.row(row, plan.chain.dof()).filter(|_| attempt == 0);
+        let mut inside = [0.0; 32];
+        let start = start.filter(|q| q.len() <= inside.len()).map(|q| {
+            for ((x, from), gene) in inside.iter_mut().zip(q).zip(&self.genes) {
+                *x = from.clamp(gene.lower, gene.upper);
+            }
+            &inside[..q.len()]
+        });
+        evolution.settings.evolve(
+            &self.genes,
+            &mut evaluator,
+            start,
+            &mut self.population,
+            &mut stream,
+            progress,
+            keep_going,
+        )
+    }
+
+    /// Makes the start values the only ranked individual.
+    fn take_start(&mut self, start: Option<&[f64]>) {
+        for (i, gene) in self.genes.iter().enumerate() {
+            self.q[i] = start.map_or(0.0, |q| q[i]).clamp(gene.lower, gene.upper);
+        }
+        self.population.resize(self.evolution.settings.population as usize);
+        self.population.write(0, &self.q);
+        self.order.clear();
+        self.order.push(0);
+    }
+
+    /// Hands the best individuals to the step solver, side by side in its lanes.
+    fn polish(&mut self, row: usize, goal: &Goal<f64>, most: usize) {
+        let plan = &self.evolution.plan;
+        let dof = plan.chain.dof();
+        let count = most.min(self.order.len()).min(self.population.size);
+        let mut starts = Vec::with_capacity(count * dof);
+        for &individual in &self.order[..count] {
+            self.population.read(individual, &mut self.q);
+            starts.extend_from_slice(&self.q);
+        }
+        let target = plan.copies(row, count);
+        let mut copies = plan.with(&target, &starts, POLISH);
+        let start = plan.starts.row(row, dof);
+        if let Some(start) = start
+            && self.evolution.settings.start_weight > 0.0
+        {
+            copies.pull = Some((PULL, start.to_vec()));
+        }
+        let mut answers = Answers::new(count, dof);
+        let mut all = Some(answers.as_mut());
+        copies.run(self.level, &mut || all.take(), &mut || true);
+        for q in answers.q.chunks_exact(dof) {
+            self.q.copy_from_slice(q);
+            self.consider(goal, start);
+            // Without start values to stay near, the first that reaches is as good as any.
+            if self.found.reached && start.is_none() {
+                break;
+            }
+        }
+    }
+
+    /// Keeps the posture in `q` if it is the best so far: of those that reach the goal the
+    /// nearest to the start values, of the others the one with the smallest error.
+    fn consider(&mut self, goal: &Goal<f64>, start: Option<&[f64]>) {
+        let plan = &self.evolution.plan;
+        forward(plan.chain.compiled(), &self.q, &mut self.workspace);
+        let (position2, orientation2) = plan.errors(&self.workspace, goal);
+        let tolerance = plan.tolerance;
+        let reached = position2 <= (tolerance.position * INSIDE).powi(2)
+            && orientation2 <= (tolerance.orientation * INSIDE).powi(2);
+        let squared = match start {
+            Some(start) if reached => {
+                self.q.iter().zip(start).map(|(x, s)| (x - s) * (x - s)).sum()
+            }
+            _ => position2 + plan.rotation_scale * plan.rotation_scale * orientation2,
+        };
+        let better = match (reached, self.found.reached) {
+            (true, false) => true,
+            (false, true) => false,
+            _ => squared < self.found.squared,
+        };
+        if better && squared.is_finite() {
+            self.found.q.copy_from_slice(&self.q);
+            self.found.squared = squared;
+            self.found.reached = reached;
+            self.found.position_error = position2.sqrt();
+            self.found.orientation_error = orientation2.sqrt();
+        }
+    }
+}

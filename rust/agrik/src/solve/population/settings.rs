@@ -1,0 +1,196 @@
+//! What a population search can be told.
+
+use super::differential::{Adaptation, Differential};
+use super::evaluator::{Evaluator, Fitness, Gene, Population};
+use super::fitness::Orientation;
+use super::genetic::Genetic;
+use super::progress::{End, Progress};
+use super::random::Stream;
+use super::{Boundary, Mutation, Redraw, lshade};
+use crate::error::{Error, Result};
+use crate::lanes::Real;
+use crate::task::Task;
+
+/// Individuals that a search can hold.
+const MOST: u32 = 1 << 20;
+
+/// How the next generation is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Algorithm {
+    /// Differential evolution.
+    Differential(Differential),
+    /// A real-coded genetic algorithm.
+    Genetic(Genetic),
+}
+
+/// A population search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// How the next generation is made.
+    pub algorithm: Algorithm,
+    /// Individuals.
+    pub population: u32,
+    /// Generations of one run.
+    pub generations: u32,
+    /// Runs after the first before the target is given up.
+    pub max_restarts: u32,
+    /// How the distance of two orientations is measured.
+    pub orientation: Orientation,
+    /// Cost of a metre.
+    pub position_weight: f64,
+    /// Cost of a radian; without it, `position_weight` times 0.3 of the robot's reach.
+    pub orientation_weight: Option<f64>,
+    /// Cost of a radian (or metre) of way from the start values, where some are given.
+    pub start_weight: f64,
+    /// A best cost at or below this ends a run.
+    pub target_cost: f64,
+    /// So many generations without a better cost end a run; 0: none.
+    pub stagnation: u32,
+    /// Hand the best individuals to the default step solver.
+    pub polish: bool,
+}
+
+impl Settings {
+    /// Memetic differential evolution, the default: a short run, then the default step
+    /// solver from its best individuals, again and again.
+    pub const DIFFERENTIAL: Self = Self {
+        algorithm: Algorithm::Differential(Differential {
+            mutation: Mutation::Best1,
+            adaptation: Adaptation::None,
+            weight: 0.5,
+            crossover: (0.375, 1.125),
+            redraw: Redraw::Individual,
+            boundary: Boundary::Redraw,
+        }),
+        population: 48,
+        generations: 20,
+        max_restarts: 20,
+        orientation: Orientation::RotationVector,
+        position_weight: 1.0,
+        orientation_weight: None,
+        start_weight: 0.0,
+        target_cost: 0.0,
+        stagnation: 0,
+        polish: true,
+    };
+
+    /// The published recipe for the redundant arm (Li et al.), in the adopted reading:
+    /// 100 individuals, 200 generations, best/1/bin, a crossover rate drawn anew for every
+    /// gene, genes out of range put to the middle, a cost of 1 per mm and 100 per radian
+    /// of ZYZ angles, no polish.
+    pub const PUBLISHED: Self = Self {
+        algorithm: Algorithm::Differential(Differential {
+            mutation: Mutation::Best1,
+            adaptation: Adaptation::None,
+            weight: 0.5,
+            crossover: (0.375, 1.125),
+            redraw: Redraw::Gene,
+            boundary: Boundary::Median,
+        }),
+        population: 100,
+        generations: 200,
+        max_restarts: 0,
+        orientation: Orientation::EulerZyz,
+        position_weight: 1000.0,
+        orientation_weight: Some(100.0),
+        start_weight: 0.0,
+        target_cost: 0.0,
+        stagnation: 0,
+        polish: false,
+    };
+
+    /// A genetic algorithm whose best individuals are polished.
+    pub const GENETIC: Self = Self {
+        algorithm: Algorithm::Genetic(Genetic {
+            tournament: 3,
+            crossover_rate: 0.9,
+            crossover_index: 5.0,
+            mutation_rate: 0.2,
+            mutation_width: 0.1,
+            elites: 2,
+            boundary: Boundary::Clamp,
+        }),
+        ..Self::DIFFERENTIAL
+    };
+
+    /// Refuses numbers outside their ranges.
+    pub fn check(&self) -> Result<()> {
+        let refuse = |name: &str, expected: &str, got: String| -> Result<()> {
+            Err(Error::argument(name, expected, got))
+        };
+        if !(4..=MOST).contains(&self.population) {
+            return refuse(
+                "population",
+                &format!("a whole number, 4 to {MOST}"),
+                self.population.to_string(),
+            );
+        }
+        if self.generations == 0 {
+            return refuse("generations", "at least 1", "0".into());
+        }
+        for (name, value) in [
+            ("position_weight", self.position_weight),
+            ("orientation_weight", self.orientation_weight.unwrap_or(0.0)),
+            ("start_weight", self.start_weight),
+            ("target_cost", self.target_cost),
+        ] {
+            if !(value.is_finite() && value >= 0.0) {
+                return refuse(name, "a finite number, not below 0", value.to_string());
+            }
+        }
+        if self.position_weight == 0.0 && self.orientation_weight.unwrap_or(0.0) == 0.0 {
+            return refuse("position_weight", "one of the weights above 0", "0".into());
+        }
+        match &self.algorithm {
+            Algorithm::Differential(it) => it.check(),
+            Algorithm::Genetic(it) => it.check(self.population),
+        }
+    }
+
+    /// [`Settings::check`], and that the task has what the fitness measures.
+    pub fn check_for(&self, task: &Task) -> Result<()> {
+        self.check()?;
+        let has_angles = matches!(task, Task::Pose | Task::Position);
+        if self.orientation == Orientation::EulerZyz && !has_angles {
+            return Err(Error::argument(
+                "orientation",
+                "the rotation vector, since the task fixes no full orientation",
+                "euler-zyz",
+            ));
+        }
+        Ok(())
+    }
+
+    /// One run; the last population stays in `population`.
+    #[allow(clippy::too_many_arguments)]
+    #[inline(always)]
+    pub fn evolve<R: Real, F: Fitness<R>>(
+        &self,
+        genes: &[Gene],
+        evaluator: &mut Evaluator<'_, R, F>,
+        start: Option<&[f64]>,
+        population: &mut Population<R>,
+        stream: &mut Stream,
+        progress: &mut Progress,
+        keep_going: &mut dyn FnMut() -> bool,
+    ) -> End {
+        population.resize(self.population as usize);
+        population.scatter(genes, stream);
+        if let Some(q) = start {
+            population.write(0, q);
+        }
+        evaluator.evaluate(population);
+        match &self.algorithm {
+            Algorithm::Differential(it) if it.adaptation == Adaptation::LShade => {
+                let budget = u64::from(self.population) * (u64::from(self.generations) + 1);
+                lshade::run(it, budget, genes, evaluator, population, stream, progress, keep_going)
+            }
+            Algorithm::Differential(it) => {
+                it.run(genes, evaluator, population, stream, progress, keep_going)
+            }
+            Algorithm::Genetic(it) => {
+                it.run(genes, evaluator, population, stream, progress, keep_going)
+            }
+        }
+    }
+}

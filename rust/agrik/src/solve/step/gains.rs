@@ -1,0 +1,332 @@
+//! Gains of the feedback laws: as written, with their units and axes, and as the loop
+//! uses them, in metres, radians and world axes.
+
+use nalgebra::{DMatrix, Matrix3};
+
+use super::{Settings, Step};
+use crate::chain::{Chain, JointKind, Tail};
+use crate::error::{Error, Result};
+use crate::kinematics::{Workspace, columns, forward};
+use crate::task::{MaskFrame, Task};
+
+/// Singular values of a frozen Jacobian below this share of the largest are left out.
+const FROZEN_CUTOFF: f64 = 1e-2;
+/// Share of a full step that a frozen pseudo-inverse takes: far from where it was frozen
+/// a full one overshoots.
+const FROZEN_SHARE: f64 = 0.5;
+
+/// A matrix, row by row.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Matrix {
+    /// Number of columns.
+    pub columns: usize,
+    /// All entries.
+    pub values: Vec<f64>,
+}
+
+impl Matrix {
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.values.len().checked_div(self.columns).unwrap_or(0)
+    }
+
+    fn dense(&self) -> DMatrix<f64> {
+        DMatrix::from_row_slice(self.rows(), self.columns, &self.values)
+    }
+
+    fn of(m: &DMatrix<f64>) -> Self {
+        Self { columns: m.ncols(), values: m.transpose().as_slice().to_vec() }
+    }
+
+    fn check(&self, name: &str, rows: usize, columns: usize) -> Result<()> {
+        if self.columns != columns || self.values.len() != rows * columns {
+            let received = format!("{} x {}", self.rows(), self.columns);
+            return Err(Error::argument(name, format!("a {rows} x {columns} matrix"), received));
+        }
+        if !self.values.iter().all(|x| x.is_finite()) {
+            return Err(Error::argument(name, "finite numbers", "NaN or infinity"));
+        }
+        Ok(())
+    }
+}
+
+/// What a gain's numbers refer to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GainUnits {
+    /// One unit of the position error, m; also of what prismatic joints are moved by.
+    pub length: f64,
+    /// One unit of what revolute joints are turned by, rad.
+    pub angle: f64,
+    /// Takes directions in the chain's base frame (of its first link) to the error's axes.
+    pub rotation: [[f64; 3]; 3],
+    /// Length that one radian of orientation error counts as, m; the loop's own if none.
+    pub per_radian: Option<f64>,
+}
+
+impl Default for GainUnits {
+    fn default() -> Self {
+        let rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        Self { length: 1.0, angle: 1.0, rotation, per_radian: None }
+    }
+}
+
+/// `dq = C x`, then `x <- A x + B e`, from `x = 0` (equations 14 and 15 of Burrell,
+/// Montazeri, Monk and Taylor).
+#[derive(Debug, Clone, PartialEq)]
+pub struct StateSpace {
+    /// States by states.
+    pub a: Matrix,
+    /// States by rows of the error.
+    pub b: Matrix,
+    /// Joint values by states.
+    pub c: Matrix,
+    /// Units and axes.
+    pub units: GainUnits,
+}
+
+/// `dq = K e`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StaticGain {
+    /// Joint values by rows of the error.
+    pub gain: Matrix,
+    /// Units and axes.
+    pub units: GainUnits,
+}
+
+/// Which joint moves first in a sweep of IK-PID.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PidOrder {
+    /// The one next to the tool.
+    TipFirst,
+    /// The one next to the base.
+    BaseFirst,
+}
+
+/// The PID law of IK-PID, in rad per m of error (m per m for prismatic joints).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pid {
+    /// Share of the error's length.
+    pub proportional: f64,
+    /// Share of its running sum.
+    pub integral: f64,
+    /// Share of its last change.
+    pub derivative: f64,
+    /// Which joint moves first.
+    pub order: PidOrder,
+    /// As printed: the second try starts from where the first ended after saturation.
+    pub literal: bool,
+    /// Every try by a full pass of forward kinematics instead of turning the tool about
+    /// one axis.
+    pub full_passes: bool,
+}
+
+impl Pid {
+    /// Published gains: 0.012, 1e-7, 0.08 degrees per mm.
+    pub const PUBLISHED: Self = Self {
+        proportional: 0.012 * DEGREES_PER_MM,
+        integral: 1e-7 * DEGREES_PER_MM,
+        derivative: 0.08 * DEGREES_PER_MM,
+        order: PidOrder::TipFirst,
+        literal: false,
+        full_passes: false,
+    };
+
+    pub(super) fn check(&self) -> Result<()> {
+        for (name, value) in [
+            ("proportional", self.proportional),
+            ("integral", self.integral),
+            ("derivative", self.derivative),
+        ] {
+            if !value.is_finite() {
+                return Err(Error::argument(name, "a finite number", value));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// One degree per millimetre, in rad per m.
+const DEGREES_PER_MM: f64 = std::f64::consts::PI / 180.0 * 1000.0;
+
+/// A matrix without its zeros: per row the columns and values of what is left.
+#[derive(Debug, Clone, Default)]
+pub struct Sparse {
+    pub rows: Vec<Vec<(usize, f64)>>,
+}
+
+impl Sparse {
+    fn of(m: &DMatrix<f64>) -> Self {
+        let row = |i: usize| {
+            (0..m.ncols()).map(|k| (k, m[(i, k)])).filter(|(_, value)| *value != 0.0).collect()
+        };
+        Self { rows: (0..m.nrows()).map(row).collect() }
+    }
+}
+
+/// A feedback law ready for the loop: m, rad, world axes.
+#[derive(Debug, Clone)]
+pub enum Feedback {
+    Descent,
+    Pid(Pid),
+    StateSpace { a: Sparse, b: Sparse, c: Sparse },
+    Static { gain: Sparse },
+    Broyden { gain: Vec<f64>, patience: f64 },
+}
+
+impl Feedback {
+    /// The feedback law of the settings, if it is one.
+    pub fn new(
+        settings: &Settings,
+        chain: &Chain,
+        task: &Task,
+        tail: &Tail,
+        rotation_scale: f64,
+    ) -> Result<Option<Self>> {
+        let around = Around { chain, task, tail, rotation_scale };
+        Ok(Some(match &settings.step {
+            Step::CyclicCoordinateDescent if *task != Task::Position => {
+                let expected = "a position task, or another solver";
+                return Err(Error::argument("solver", expected, "ccd with orientations"));
+            }
+            Step::CyclicCoordinateDescent => Self::Descent,
+            Step::IkPid(pid) => Self::Pid(*pid),
+            Step::StateSpace(None) => {
+                let gain = around.frozen()?;
+                let n = gain.nrows();
+                Self::StateSpace {
+                    a: Sparse::of(&DMatrix::zeros(n, n)),
+                    b: Sparse::of(&gain),
+                    c: Sparse::of(&DMatrix::identity(n, n)),
+                }
+            }
+            Step::StateSpace(Some(gains)) => {
+                let states = gains.a.columns;
+                gains.a.check("A", states, states)?;
+                gains.b.check("B", states, around.rows()?)?;
+                gains.c.check("C", chain.dof(), states)?;
+                Self::StateSpace {
+                    a: Sparse::of(&gains.a.dense()),
+                    b: Sparse::of(&around.error_side(gains.b.dense(), &gains.units)?),
+                    c: Sparse::of(&around.joint_side(gains.c.dense(), &gains.units)),
+                }
+            }
+            Step::StaticGain(gain) => {
+                Self::Static { gain: Sparse::of(&around.gain(gain.as_deref())?) }
+            }
+            Step::Broyden { gain, patience } => Self::Broyden {
+                gain: Matrix::of(&around.gain(gain.as_deref())?).values,
+                patience: f64::from(*patience),
+            },
+            _ => return Ok(None),
+        }))
+    }
+}
+
+/// What gains are applied to.
+struct Around<'a> {
+    chain: &'a Chain,
+    task: &'a Task,
+    tail: &'a Tail,
+    rotation_scale: f64,
+}
+
+impl Around<'_> {
+    /// Rows of an error that a matrix can stand on: along and about the world's axes.
+    fn rows(&self) -> Result<usize> {
+        match self.task {
+            Task::Position => Ok(3),
+            Task::Pose | Task::Masked { frame: MaskFrame::Base, .. } => Ok(6),
+            _ => Err(Error::argument(
+                "solver",
+                "a position, pose or base-frame mask task, since gains stand on fixed axes",
+                "gains with an axis or tool-frame task",
+            )),
+        }
+    }
+
+    fn gain(&self, gain: Option<&StaticGain>) -> Result<DMatrix<f64>> {
+        let Some(gain) = gain else { return self.frozen() };
+        gain.gain.check("K", self.chain.dof(), self.rows()?)?;
+        let dense = self.error_side(gain.gain.dense(), &gain.units)?;
+        Ok(self.joint_side(dense, &gain.units))
+    }
+
+    /// Columns for an error in the gain's units and axes, made ones for the loop's rows.
+    fn error_side(&self, b: DMatrix<f64>, units: &GainUnits) -> Result<DMatrix<f64>> {
+        for (name, value) in [
+            ("length_unit", units.length),
+            ("angle_unit", units.angle),
+            ("rotation_length", units.per_radian.unwrap_or(1.0)),
+        ] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(Error::argument(name, "a finite number above 0", value));
+            }
+        }
+        let rows: Vec<f64> = units.rotation.concat();
+        let frame = Matrix3::from_row_slice(&rows);
+        let off = (frame * frame.transpose() - Matrix3::identity()).amax();
+        if off.is_nan() || off >= 1e-9 {
+            return Err(Error::argument("frame", "a matrix with R R^T = 1", format!("{rows:?}")));
+        }
+        let from_world = frame * self.chain.base().rotation.matrix().transpose();
+        let mut turned = b;
+        for block in 0..turned.ncols() / 3 {
+            let weight = if block == 0 {
+                1.0
+            } else {
+                units.per_radian.map_or(1.0, |length| length / self.rotation_scale)
+            };
+            let part = turned.columns(3 * block, 3) * from_world * (weight / units.length);
+            turned.columns_mut(3 * block, 3).copy_from(&part);
+        }
+        Ok(turned)
+    }
+
+    /// Rows for joint values in the gain's units, made ones in rad and m.
+    fn joint_side(&self, mut c: DMatrix<f64>, units: &GainUnits) -> DMatrix<f64> {
+        for (i, v) in self.chain.variables().iter().enumerate() {
+            let unit = if v.kind == JointKind::Prismatic { units.length } else { units.angle };
+            c.row_mut(i).scale_mut(unit);
+        }
+        c
+    }
+
+    /// A share of the pseudo-inverse in the middle of the limits.
+    fn frozen(&self) -> Result<DMatrix<f64>> {
+        let rows = self.rows()?;
+        let q = middle(self.chain);
+        let compiled = self.chain.compiled();
+        let mut workspace = Workspace::<f64>::new(compiled);
+        forward(compiled, &q, &mut workspace);
+        let mut jacobian = DMatrix::<f64>::zeros(rows, q.len());
+        let point = workspace.tool_point(self.tail.translation);
+        columns(compiled, &workspace, point, |variable, linear, angular| {
+            for k in 0..3 {
+                jacobian[(k, variable)] += linear[k];
+                if rows == 6 {
+                    jacobian[(3 + k, variable)] += self.rotation_scale * angular[k];
+                }
+            }
+        });
+        if let Task::Masked { weights, .. } = self.task {
+            for (k, weight) in weights.iter().enumerate() {
+                jacobian.row_mut(k).scale_mut(*weight);
+            }
+        }
+        let svd = jacobian.svd(true, true);
+        let floor = FROZEN_CUTOFF * svd.singular_values.max();
+        let inverse = svd.pseudo_inverse(floor).map_err(|why| {
+            Error::argument("solver", "a chain with a Jacobian that can be inverted", why)
+        })?;
+        Ok(inverse * FROZEN_SHARE)
+    }
+}
+
+/// The middle of the limits; zero for continuous joints.
+pub fn middle(chain: &Chain) -> Vec<f64> {
+    let value = |v: &crate::chain::Variable| {
+        let middle = 0.5 * (v.lower + v.upper);
+        if middle.is_finite() { middle } else { 0.0f64.clamp(v.lower, v.upper) }
+    };
+    chain.variables().iter().map(value).collect()
+}

@@ -1,0 +1,31 @@
+//! A damped step with a second aim: to go towards a posture as far as the task leaves free.
+
+use super::{damped, squared_norm};
+use crate::lanes::Real;
+
+/// Share of half the squared error that damps the step, as in Levenberg-Marquardt.
+const DAMPING: f64 = 0.1;
+
+/// `p + J^T (J J^T + added I)^-1 (e - J p)`: where the damping has vanished, `J^+ e` plus
+/// the part of the pull `p` that lies in the null space of the task (Liegeois 1977).
+///
+/// Columns of joints that are held are zero, and so must be their entries of `pull`.
+#[inline(always)]
+pub(in crate::solve) fn step<R: Real, const M: usize>(
+    columns: &[[R; M]],
+    error: &[R; M],
+    pull: &[R],
+    change: &mut [R],
+) {
+    let added = squared_norm(error).mul_add(R::splat(0.5 * DAMPING), R::splat(1e-12));
+    let mut rest = *error;
+    for (column, p) in columns.iter().zip(pull) {
+        for (row, c) in rest.iter_mut().zip(column) {
+            *row = (-*c).mul_add(*p, *row);
+        }
+    }
+    damped::step(columns, &rest, added, change);
+    for (dq, p) in change.iter_mut().zip(pull) {
+        *dq += *p;
+    }
+}
