@@ -125,10 +125,11 @@ def test_a_name_means_the_default_options(load_robot, solver):
 
 
 def test_the_defaults_of_the_dataclasses_are_those_of_the_core():
-    assert _native.default_settings() == {
-        solver.name: {field.name: getattr(solver, field.name) for field in fields(solver)}
-        for solver in SOLVERS
-    }
+    core = _native.default_settings()
+    for solver in SOLVERS:
+        assert core[solver.name] == {
+            field.name: getattr(solver, field.name) for field in fields(solver)
+        }
 
 
 def test_options_of_a_solver_are_kept(load_robot):
@@ -339,8 +340,8 @@ def test_statuses():
     assert result.position_error[2] >= 0.5
     assert result.position_error[4] == np.inf
     assert np.isfinite(result.q).all()
-    for status in ik.Status:
-        assert ik.Status(int(status)) in result.status
+    told_by_feedback_only = {ik.Status.STALLED, ik.Status.NON_FINITE}
+    assert set(result.status.tolist()) == set(ik.Status) - told_by_feedback_only
 
 
 def test_threads_are_set_for_the_process():

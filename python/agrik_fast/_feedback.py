@@ -49,7 +49,7 @@ def _check_units(solver: StateSpace | StaticGain | Broyden | IkPid) -> None:
 
 def _check_axes(solver: StateSpace | StaticGain | Broyden) -> None:
     kind = type(solver).__name__
-    frame = _matrix(f"{kind}.frame", solver.frame)
+    frame = matrix_of(f"{kind}.frame", solver.frame)
     turned = np.array(frame)
     if turned.shape != (3, 3) or not np.allclose(turned @ turned.T, np.eye(3), atol=1e-9):
         raise ArgumentError(f"{kind}.frame", str(turned.tolist()), "a rotation matrix (3, 3)")
@@ -60,7 +60,8 @@ def _check_axes(solver: StateSpace | StaticGain | Broyden) -> None:
         )
 
 
-def _matrix(name: str, value: ArrayLike) -> Matrix:
+def matrix_of(name: str, value: ArrayLike) -> Matrix:
+    """Return rows of numbers; `name` is whose they are, for messages."""
     array = float_array(name, value)
     if array.ndim != 2 or array.size == 0:
         raise ArgumentError(name, f"shape {array.shape}", "a matrix")
@@ -242,7 +243,7 @@ class StateSpace:
             raise ArgumentError("StateSpace.A, B, C", "some of them", "all three or none")
         if self.A is not None and self.B is not None and self.C is not None:
             for name in "ABC":
-                _set(self, name, _matrix(f"StateSpace.{name}", getattr(self, name)))
+                _set(self, name, matrix_of(f"StateSpace.{name}", getattr(self, name)))
             states = len(self.A)
             if _shape(self.A) != (states, states):
                 raise ArgumentError("StateSpace.A", f"shape {_shape(self.A)}", "a square matrix")
@@ -436,7 +437,7 @@ def _check_gain(solver: StaticGain | Broyden) -> None:
     if solver.K is None:
         return
     name = f"{type(solver).__name__}.K"
-    matrix = _matrix(name, cast("Sequence[Sequence[float]]", solver.K))
+    matrix = matrix_of(name, cast("Sequence[Sequence[float]]", solver.K))
     if _shape(matrix)[1] not in (3, 6):
         raise ArgumentError(name, f"shape {_shape(matrix)}", "shape (n, 3) or (n, 6)")
     _set(solver, "K", matrix)

@@ -4,7 +4,7 @@ Users go through `agrik_fast.Robot`, which hands its arguments on; this module c
 and raises the classes of `agrik_fast.errors`.
 """
 
-from typing import TypedDict, final, type_check_only
+from typing import Any, TypedDict, final, type_check_only
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +16,9 @@ __all__ = [
     "Chain",
     "IkResult",
     "StrawberryArm",
+    "TargetSolver",
     "TomatoArm",
+    "Tuner",
     "__version__",
     "default_settings",
     "get_num_threads",
@@ -220,6 +222,17 @@ class Chain:
     ) -> IkResult:
         """Solve a batch of targets; see `agrik_fast.Robot.ik`."""
 
+    def solver(
+        self,
+        task: object = None,
+        solver: object = None,
+        seed: int | None = None,
+        tool: ArrayLike | None = None,
+        position_tolerance: float | None = None,
+        orientation_tolerance: float | None = None,
+    ) -> TargetSolver:
+        """Make a solver for one target at a time; see `agrik_fast.Robot.solver`."""
+
     def follow(
         self,
         targets: ArrayLike,
@@ -244,6 +257,64 @@ class Chain:
         tool: ArrayLike | None = None,
     ) -> NDArray[np.float64]:
         """Return the best cost of a population solver's first run, generation by generation."""
+
+@final
+class TargetSolver:
+    """A solver for one target at a time, from `Robot.solver`.
+
+    Each call overwrites the values of the one before and allocates no memory.
+    """
+
+    def solve(self, target: ArrayLike, q0: ArrayLike | None = None) -> bool:
+        """Solve one target.
+
+        Parameters
+        ----------
+        target : array_like, shape (4, 4) or (3,)
+            Pose of the tool, or position of the tool point, in the base frame; m. An
+            array of doubles is read without conversion.
+        q0 : array_like, shape (n,), rad or m, optional
+            Start values of the first attempt, for example the last `q`. Default: chosen
+            from the seed.
+
+        Returns
+        -------
+        bool
+            Whether the target was reached: by a final FK check, within the limits.
+
+        Raises
+        ------
+        ArgumentError
+            A wrong shape or type; a transform that is not rigid.
+        """
+
+    @property
+    def q(self) -> NDArray[np.float64]:
+        """Joint values, shape (n,), rad or m: one array, overwritten by each call."""
+
+    @property
+    def success(self) -> bool:
+        """Whether the last target was reached."""
+
+    @property
+    def status(self) -> int:
+        """Code of `agrik_fast.Status` of the last target."""
+
+    @property
+    def position_error(self) -> float:
+        """Distance of the tool point from the last target, m; infinite for bad input."""
+
+    @property
+    def orientation_error(self) -> float:
+        """Angle left to the last target's orientation, rad; 0 for position tasks."""
+
+    @property
+    def iterations(self) -> int:
+        """Steps taken for the last target, over all attempts."""
+
+    @property
+    def restarts(self) -> int:
+        """Attempts after the first for the last target."""
 
 @final
 class IkResult:
@@ -427,6 +498,94 @@ def ik_record(q: ArrayLike, status: ArrayLike, position_error: ArrayLike) -> IkR
     IkResult
         The record.
     """
+
+@final
+class Tuner:
+    """A search for gains that reach most training goals in the fewest steps."""
+
+    def __new__(
+        cls,
+        chain: Chain,
+        solver: Solver,
+        goals: ArrayLike,
+        shape: str,
+        method: str,
+        population: int,
+        sigma: float,
+        seed: int,
+        start: str,
+        max_iterations: int,
+        tolerance: float,
+        threads: int | None = None,
+    ) -> Tuner:
+        """Prepare a search.
+
+        Parameters
+        ----------
+        chain : Chain
+            The arm.
+        solver : StateSpace, StaticGain or IkPid
+            Gains to start from.
+        goals : array_like, shape (n, 3), m
+            Training goals.
+        shape : {"input", "diagonal", "full"}
+            Free entries of a state space.
+        method : {"pso", "cma"}
+            Particle swarm or CMA-ES.
+        population : int
+            Gain sets a generation, >= 4.
+        sigma : float
+            Deviation of the first generation, > 0.
+        seed : int
+            Seed of the search.
+        start : {"sampled", "zero", "middle"}
+            Where attempts start.
+        max_iterations : int
+            Steps of an attempt.
+        tolerance : float
+            Distance that counts as reached, m.
+        threads : int, optional
+            Number of threads.
+
+        Raises
+        ------
+        ArgumentError
+            A wrong value, or gains that do not fit the chain.
+        """
+
+    @property
+    def dimension(self) -> int:
+        """Number of parameters."""
+
+    @property
+    def evaluations(self) -> int:
+        """Vectors judged so far."""
+
+    @property
+    def cost(self) -> float:
+        """Cost of the best vector so far; infinite before the first generation."""
+
+    @property
+    def best(self) -> NDArray[np.float64]:
+        """The best vector so far; the start before the first generation."""
+
+    def advance(self) -> None:
+        """Go on by one generation."""
+
+    def score(self, vector: ArrayLike) -> tuple[float, int, float]:
+        """Return cost, goals reached and mean steps of a vector on the training goals."""
+
+    def gains(self, vector: ArrayLike) -> dict[str, Any]:
+        """Return the gains of a vector, in the units of the solver it started from.
+
+        Those of IK-PID are in rad per m.
+        """
+
+    def state(self) -> NDArray[np.float64]:
+        """Return everything that changes while the search runs, as numbers."""
+
+    def restore(self, state: ArrayLike) -> None:
+        """Take up the search where `state` left it."""
 
 def default_settings() -> dict[str, dict[str, object]]:
     """Return the default settings of each solver, by the solver's name.

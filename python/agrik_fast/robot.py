@@ -17,6 +17,7 @@ from ._stream import solve_ahead
 from .errors import UnknownNameError
 
 if TYPE_CHECKING:
+    from ._native import TargetSolver
     from .path import Path
     from .result import IkResult
     from .solvers import DifferentialEvolution, GeneticAlgorithm, Solver
@@ -427,6 +428,42 @@ class Robot:
             position_tolerance,
             orientation_tolerance,
             first_index,
+        )
+
+    def solver(
+        self,
+        task: Task | str | None = None,
+        solver: Solver | str = "lm",
+        seed: int = 0,
+        tool: ArrayLike | None = None,
+        *,
+        position_tolerance: float = 1e-6,
+        orientation_tolerance: float = 1e-6,
+    ) -> TargetSolver:
+        """Make a solver for one target at a time, for control loops.
+
+        Options are read once; its `solve` allocates nothing and gives, bit for bit, what
+        `ik` gives for the same target.
+
+        Parameters
+        ----------
+        task : task or {"position", "pose", "axis"}, default "pose"
+            What counts as reached, see `agrik_fast.tasks`.
+        solver, seed, tool, position_tolerance, orientation_tolerance
+            As for `ik`; step solvers only.
+
+        Returns
+        -------
+        TargetSolver
+            With `solve(target, q0)` and the last answer as attributes.
+
+        Raises
+        ------
+        ArgumentError
+            As for `ik`.
+        """
+        return self._chain.solver(
+            task, solver, seed, tool, position_tolerance, orientation_tolerance
         )
 
     def follow(

@@ -287,9 +287,10 @@ class Plain:
     max_iterations: int = 1000
 
     def __post_init__(self) -> None:
-        if not isinstance(self.solver, JacobianSolver | Feedback):
+        given: object = self.solver
+        if not isinstance(given, JacobianSolver | Feedback):
             expected = "a solver object that takes steps"
-            raise ArgumentError("Plain.solver", repr(self.solver), expected)
+            raise ArgumentError("Plain.solver", repr(given), expected)
         if self.start not in STARTS:
             raise UnknownNameError("start", str(self.start), STARTS)
         whole_number("Plain.max_iterations", self.max_iterations, 1, _LARGEST_COUNT)

@@ -14,7 +14,7 @@ import os
 import time
 import zipfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,7 @@ import numpy as np
 
 from . import __version__
 from ._checks import FloatArray, whole_number
-from ._feedback import IkPid, StateSpace, StaticGain
+from ._feedback import IkPid, StateSpace, StaticGain, matrix_of
 from ._native import Tuner
 from .errors import ArgumentError, GainFileError, UnknownNameError
 from .gain_file import GainFile, SuccessTable, TrainingTable
@@ -65,7 +65,10 @@ class Tuning:
     goals : int
         Training goals.
     evaluations : int
-        Gain sets to judge, rounded up to whole generations.
+        Gain sets to judge in a run, rounded up to whole generations.
+    runs : int
+        Searches from other random numbers, of which the one of least cost is kept: now
+        and then one ends in a poor valley.
     population : int, optional
         Gain sets a generation; 40 (pso), 24 (cma).
     sigma : float, optional
@@ -86,6 +89,7 @@ class Tuning:
     start: str = "zero"
     goals: int = 3000
     evaluations: int = 4840
+    runs: int = 3
     population: int | None = None
     sigma: float | None = None
     seed: int = 0
@@ -102,6 +106,7 @@ class Tuning:
             raise UnknownNameError("start", self.start, ("zero", "middle"))
         whole_number("goals", self.goals, 1)
         whole_number("evaluations", self.evaluations, 1)
+        whole_number("runs", self.runs, 1)
         whole_number("seed", self.seed, 0, 2**32)
 
     def identity(self, robot: Robot) -> dict[str, Any]:
@@ -147,14 +152,16 @@ def template(robot: Robot, tuning: Tuning) -> Gains:
     gain = 0.5 * np.linalg.pinv(jacobian, rcond=1e-2) * _CENTIMETRE / units[:, None]
     common |= {"length_unit_m": _CENTIMETRE, "angle_unit_rad": _DEGREE}
     if tuning.solver == "static-gain":
-        return StaticGain(K=gain, **common)
+        return StaticGain(K=matrix_of("K", gain), **common)
     # The signs are the published ones. Inputs of at most one (and a half) leave the search
     # room to grow them: larger ones were seen to end in poorer sets.
     pole = 0.0 if tuning.shape == "input" else -0.5
     output = -float(np.abs(gain).max())
     eye = np.eye(robot.dof)
     inputs = gain * (1 - pole) / output
-    return StateSpace(A=pole * eye, B=inputs, C=output * eye, **common)
+    matrices = {"A": pole * eye, "B": inputs, "C": output * eye}
+    common |= {name: matrix_of(name, m) for name, m in matrices.items()}
+    return StateSpace(**common)
 
 
 def tune(
@@ -196,33 +203,50 @@ def tune(
     start_from = template(robot, tuning)
     training_seed = 100 + tuning.seed
     goals = joint_uniform(robot, tuning.goals, training_seed)
-    tuner = Tuner(
-        robot._chain,
-        start_from,
-        goals,
-        tuning.shape,
-        tuning.method,
-        tuning.population or _POPULATION[tuning.method],
-        tuning.sigma or _SIGMA[tuning.method],
-        tuning.seed,
-        tuning.start,
-        tuning.max_iterations,
-        tuning.tolerance,
-        tuning.threads,
-    )
-    identity = tuning.identity(robot)
+
+    def search(run: int) -> Tuner:
+        return Tuner(
+            robot._chain,
+            start_from,
+            goals,
+            tuning.shape,
+            tuning.method,
+            tuning.population or _POPULATION[tuning.method],
+            tuning.sigma or _SIGMA[tuning.method],
+            tuning.runs * tuning.seed + run,
+            tuning.start,
+            tuning.max_iterations,
+            tuning.tolerance,
+            tuning.threads,
+        )
+
+    progress = _Progress(identity=tuning.identity(robot))
+    tuner = search(0)
     if checkpoint is not None:
-        _prepare(checkpoint, identity, tuner, resume)
+        state = _prepare(checkpoint, progress, resume)
+        if state is not None:
+            tuner = search(progress.run)
+            _restore(checkpoint, tuner, state)
     saved = time.monotonic()
-    while tuner.evaluations < tuning.evaluations:
-        tuner.advance()
-        if report is not None:
-            cost = tuner.cost
-            report(Report(evaluations=tuner.evaluations, wanted=tuning.evaluations, cost=cost))
-        if checkpoint is not None and time.monotonic() - saved > CHECKPOINT_PERIOD_S:
-            _save(checkpoint, identity, tuner.state())
-            saved = time.monotonic()
-    best = tuner.best
+    while True:
+        while tuner.evaluations < tuning.evaluations:
+            tuner.advance()
+            if report is not None:
+                report(
+                    Report(
+                        evaluations=progress.evaluations + tuner.evaluations,
+                        wanted=tuning.runs * tuning.evaluations,
+                        cost=min(progress.cost, tuner.cost),
+                    )
+                )
+            if checkpoint is not None and time.monotonic() - saved > CHECKPOINT_PERIOD_S:
+                _save(checkpoint, progress, tuner.state())
+                saved = time.monotonic()
+        progress.end_run(tuner)
+        if progress.run >= tuning.runs:
+            break
+        tuner = search(progress.run)
+    best = progress.best
     cost, solved, _ = tuner.score(best)
     gains = _with_gains(start_from, tuner.gains(best))
     training = TrainingTable(
@@ -230,7 +254,7 @@ def tune(
         law=LAW,
         seed=training_seed,
         goals=tuning.goals,
-        evaluations=tuner.evaluations,
+        evaluations=progress.evaluations,
         cost=cost,
         solved=solved,
     )
@@ -286,34 +310,68 @@ def _success(gains: Gains, robot: Robot, tuning: Tuning) -> SuccessTable:
     )
 
 
-def _prepare(path: Path, identity: dict[str, Any], tuner: Tuner, resume: bool) -> None:
+@dataclass
+class _Progress:
+    """What is known of the runs that have ended."""
+
+    identity: dict[str, Any]
+    run: int = 0
+    evaluations: int = 0
+    cost: float = float("inf")
+    best: FloatArray = field(default_factory=lambda: np.zeros(0))
+
+    def end_run(self, tuner: Tuner) -> None:
+        self.run += 1
+        self.evaluations += tuner.evaluations
+        if tuner.cost < self.cost or self.best.size == 0:
+            self.cost = tuner.cost
+            self.best = tuner.best
+
+
+def _prepare(path: Path, progress: _Progress, resume: bool) -> FloatArray | None:
+    """Take up the stored progress; returns the state of the run that had not ended."""
     if not resume:
         if path.exists():
             message = "is the checkpoint of a run that did not end; resume it or remove it"
             raise GainFileError(str(path), message)
-        return
+        return None
     if not path.exists():
         raise GainFileError(str(path), "no such checkpoint to resume")
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
             other = json.loads(str(stored["identity"]))
             state: FloatArray = stored["state"]
+            best: FloatArray = stored["best"]
+            run, evaluations = (int(x) for x in stored["counts"])
+            cost = float(stored["cost"])
     except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile) as error:
         raise GainFileError(str(path), f"is no whole checkpoint: {error}") from None
-    wanted = json.loads(json.dumps(identity))
-    differing = [key for key in wanted if other.get(key) != wanted[key]]
-    if differing:
-        key = differing[0]
-        message = f"belongs to another run: {key} {other.get(key)!r}, not {wanted[key]!r}"
-        raise GainFileError(str(path), message)
+    wanted = json.loads(json.dumps(progress.identity))
+    for key, value in wanted.items():
+        if other.get(key) != value:
+            message = f"belongs to another run: {key} {other.get(key)!r}, not {value!r}"
+            raise GainFileError(str(path), message)
+    progress.run, progress.evaluations = run, evaluations
+    progress.cost, progress.best = cost, best
+    return state
+
+
+def _restore(path: Path, tuner: Tuner, state: FloatArray) -> None:
     try:
         tuner.restore(state)
     except ArgumentError as error:
         raise GainFileError(str(path), str(error)) from None
 
 
-def _save(path: Path, identity: dict[str, Any], state: FloatArray) -> None:
+def _save(path: Path, progress: _Progress, state: FloatArray) -> None:
     temporary = path.with_name(f".{path.name}.{os.getpid()}.partial")
     with temporary.open("wb") as stream:
-        np.savez(stream, identity=np.array(json.dumps(identity)), state=state)
+        np.savez(
+            stream,
+            identity=np.array(json.dumps(progress.identity)),
+            counts=np.array([progress.run, progress.evaluations]),
+            cost=np.array(progress.cost),
+            best=progress.best,
+            state=state,
+        )
     temporary.replace(path)

@@ -198,7 +198,8 @@ def tune(
     method: Annotated[str, typer.Option(help="pso (particle swarm) or cma (CMA-ES).")] = "pso",
     start: Annotated[str, typer.Option(help="Where attempts start: zero or middle.")] = "zero",
     goals: Annotated[int, typer.Option(min=1, help="Training goals.")] = 3000,
-    evaluations: Annotated[int, typer.Option(min=1, help="Gain sets to judge.")] = 4840,
+    evaluations: Annotated[int, typer.Option(min=1, help="Gain sets to judge in a run.")] = 4840,
+    runs: Annotated[int, typer.Option(min=1, help="Runs, of which the best is kept.")] = 3,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the search and its goals.")] = 0,
     tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-3,
     threads: Annotated[
@@ -224,6 +225,7 @@ def tune(
             start=start,
             goals=goals,
             evaluations=evaluations,
+            runs=runs,
             seed=seed,
             tolerance=tol,
             threads=threads,
@@ -240,7 +242,9 @@ def tune(
 
 @app.command()
 def paper(
-    name: Annotated[str, typer.Argument(help="Whose paper: strawberry, tomato or redundant7.")],
+    name: Annotated[
+        str, typer.Argument(help="Whose paper: strawberry, tomato, hydrolek or redundant7.")
+    ],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
     force: Annotated[
         bool, typer.Option("--force", help="Write into a folder that holds files.")

@@ -8,9 +8,10 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat};
 
 use crate::build::{self, DhTable, Frame};
+use crate::control::TargetSolver;
 use crate::convert::{array, transform};
 use crate::follow::{self, Along, Followed};
-use crate::ik::{self, Arguments};
+use crate::ik::{self, Arguments, Options};
 use crate::result::IkResult;
 use crate::{errors, kinematics};
 
@@ -214,6 +215,39 @@ impl Chain {
             first_index,
         };
         ik::solve(py, &self.0, &given)
+    }
+
+    /// Make a solver for one target at a time; see `agrik_fast.Robot.solver`.
+    #[pyo3(signature = (
+        task=None, solver=None, seed=None, tool=None, position_tolerance=None,
+        orientation_tolerance=None
+    ))]
+    #[allow(clippy::too_many_arguments)]
+    fn solver(
+        &self,
+        py: Python<'_>,
+        task: Option<&Bound<'_, PyAny>>,
+        solver: Option<&Bound<'_, PyAny>>,
+        seed: Option<&Bound<'_, PyAny>>,
+        tool: Option<&Bound<'_, PyAny>>,
+        position_tolerance: Option<&Bound<'_, PyAny>>,
+        orientation_tolerance: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<TargetSolver> {
+        let none = py.None().into_bound(py);
+        let given = Arguments {
+            targets: &none,
+            task,
+            solver,
+            q0: None,
+            seed,
+            tool,
+            threads: None,
+            position_tolerance,
+            orientation_tolerance,
+            first_index: None,
+        };
+        let options = Options::new(&self.0, &given, true)?;
+        TargetSolver::new(py, Arc::clone(&self.0), options)
     }
 
     /// Follow a sequence of targets; see `agrik_fast.Robot.follow`.

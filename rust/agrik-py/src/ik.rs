@@ -1,8 +1,8 @@
 //! Inverse kinematics calls: arguments in, interpreter released, record of answers out.
 //!
 //! A call has two halves: [`Options`], everything that stays the same from call to call
-//! of a control loop, and the targets with their starts. A reusable solver object for
-//! control loops keeps the first half and its buffers, and only takes the second.
+//! of a control loop, and the targets with their starts. The solver object of `control`
+//! keeps the first half and only takes the second.
 
 use std::time::{Duration, Instant};
 
@@ -43,18 +43,18 @@ pub struct Arguments<'a, 'py> {
 }
 
 /// What the targets of a call share.
-struct Options {
-    wanted: task::Wanted,
-    solver: Chosen,
-    tolerance: Tolerance,
-    tail: Option<Tail>,
-    seed: u64,
-    first_index: u64,
+pub struct Options {
+    pub wanted: task::Wanted,
+    pub solver: Chosen,
+    pub tolerance: Tolerance,
+    pub tail: Option<Tail>,
+    pub seed: u64,
+    pub first_index: u64,
     threads: usize,
 }
 
 impl Options {
-    fn new(chain: &Chain, given: &Arguments<'_, '_>, are_poses: bool) -> PyResult<Self> {
+    pub fn new(chain: &Chain, given: &Arguments<'_, '_>, are_poses: bool) -> PyResult<Self> {
         let index = |name: &str, value: Option<&Bound<'_, PyAny>>| {
             value.map_or(Ok(0), |value| convert::whole(name, value, 0, u64::MAX))
         };
@@ -261,7 +261,7 @@ impl Signals {
     }
 
     /// For a short call that has not: lets the other threads have a turn as well.
-    fn go_on_attached(&mut self, py: Python<'_>) -> bool {
+    pub fn go_on_attached(&mut self, py: Python<'_>) -> bool {
         if !self.is_due(ATTACHED_PERIOD) {
             return true;
         }

@@ -3,6 +3,7 @@
 
 mod build;
 mod chain;
+mod control;
 mod convert;
 mod errors;
 mod follow;
@@ -28,6 +29,8 @@ mod _native {
 
     #[pymodule_export]
     use chain::Chain;
+    #[pymodule_export]
+    use control::TargetSolver;
     #[pymodule_export]
     use result::IkResult;
     #[pymodule_export]

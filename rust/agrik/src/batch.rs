@@ -31,6 +31,22 @@ pub fn solve_at(
     poll: &mut dyn FnMut() -> bool,
 ) -> Result<Answers> {
     let mut answers = Answers::new(call.rows(), call.dof());
+    solve_into(level, call, threads, &mut answers, poll)?;
+    Ok(answers)
+}
+
+/// [`solve_at`] into answers that are there already, of as many rows as the call; with one
+/// target and a chain of up to 16 joints nothing is allocated.
+pub fn solve_into(
+    level: Level,
+    call: &impl Solve,
+    threads: usize,
+    answers: &mut Answers,
+    poll: &mut dyn FnMut() -> bool,
+) -> Result<()> {
+    if answers.len() != call.rows() || answers.q.len() != call.rows() * call.dof() {
+        return Err(Error::argument("answers", format!("{} rows", call.rows()), answers.len()));
+    }
     let threads = if threads == 0 { num_threads() } else { threads };
     let runs = call.rows().div_ceil(call.run_length());
     let finished = if threads <= 1 || runs <= 1 {
@@ -41,7 +57,7 @@ pub fn solve_at(
         queue.reverse();
         in_parallel(level, call, threads.min(runs), Mutex::new(queue), poll)
     };
-    if finished { Ok(answers) } else { Err(Error::Interrupted) }
+    if finished { Ok(()) } else { Err(Error::Interrupted) }
 }
 
 fn in_parallel<'a>(

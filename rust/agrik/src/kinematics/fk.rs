@@ -1,7 +1,13 @@
 //! The pass from base to tool: one sine and cosine per joint, nothing allocated.
 
+use smallvec::{SmallVec, smallvec};
+
 use crate::chain::{Compiled, Twist};
 use crate::lanes::{Real, V3, axpy, blend, cross, dot, negate, scale, splat3, sub};
+
+/// One entry per joint, on the stack up to 16 of them: a call for one target then
+/// allocates nothing.
+pub type PerJoint<T> = SmallVec<[T; 16]>;
 
 /// Where a joint stands: a point on its axis and the axis, both in the world.
 #[derive(Debug, Clone, Copy)]
@@ -33,7 +39,7 @@ impl<R: Real> Axis<R> {
 #[derive(Debug, Clone)]
 pub struct Workspace<R> {
     /// One entry per moving joint, filled by [`forward`].
-    pub axes: Vec<Axis<R>>,
+    pub axes: PerJoint<Axis<R>>,
     x: V3<R>,
     y: V3<R>,
     z: V3<R>,
@@ -45,7 +51,7 @@ impl<R: Real> Workspace<R> {
     pub fn new(chain: &Compiled) -> Self {
         let zero = [R::zero(); 3];
         let axis = Axis { origin: zero, direction: zero };
-        Self { axes: vec![axis; chain.links.len()], x: zero, y: zero, z: zero, position: zero }
+        Self { axes: smallvec![axis; chain.links.len()], x: zero, y: zero, z: zero, position: zero }
     }
 
     /// A point given in the frame of the last moved joint, in the world.

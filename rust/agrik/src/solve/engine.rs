@@ -6,11 +6,13 @@
 
 mod feedback;
 
+use smallvec::{SmallVec, smallvec};
+
 use self::feedback::{Halt, Memory};
 use super::plan::{AnswersMut, INSIDE, Outcome, Plan, Status};
 use super::step::{Step, dot, pulled, squared_norm};
 use crate::chain::{JointKind, Variable};
-use crate::kinematics::{Workspace, columns, forward};
+use crate::kinematics::{PerJoint, Workspace, columns, forward};
 use crate::lanes::Real;
 use crate::task::{AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task, TaskError};
 
@@ -98,7 +100,7 @@ struct Job {
     unreachable: bool,
     /// The best end of an attempt so far.
     best: Option<Best>,
-    best_q: Vec<f64>,
+    best_q: PerJoint<f64>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -129,7 +131,7 @@ impl Limit {
 }
 
 /// The limits of a plan: those of the joints, unless it has narrower ones.
-fn limits(plan: &Plan<'_>) -> Vec<Limit> {
+fn limits(plan: &Plan<'_>) -> PerJoint<Limit> {
     match &plan.bounds {
         None => plan.chain.variables().iter().map(Limit::of).collect(),
         Some(bounds) => {
@@ -146,24 +148,28 @@ struct Open<'a> {
     unfinished: usize,
 }
 
+/// The runs in work, one to a slot.
+type Opened<'a> = SmallVec<[Option<Open<'a>>; 2]>;
+
 struct Engine<'p, R: Real, T, const M: usize, const FEEDBACK: bool> {
     plan: &'p Plan<'p>,
     rows: T,
     variables: &'p [Variable],
-    limits: Vec<Limit>,
+    limits: PerJoint<Limit>,
     has_continuous: bool,
     /// Steps of an attempt, and of one whose squared error is below `near2`.
     cap: u32,
     patient_cap: u32,
     near2: f64,
-    jobs: Vec<Job>,
-    q: Vec<R>,
+    /// One entry per lane.
+    jobs: SmallVec<[Job; 1]>,
+    q: PerJoint<R>,
     /// Where continuous joints' values are kept near.
-    reference: Vec<R>,
-    change: Vec<R>,
+    reference: PerJoint<R>,
+    change: PerJoint<R>,
     /// The second aim's share of a step.
-    pull: Vec<R>,
-    columns: Vec<[R; M]>,
+    pull: PerJoint<R>,
+    columns: PerJoint<[R; M]>,
     workspace: Workspace<R>,
     goal: Goal<R>,
     memory: Memory<R, M>,
@@ -185,7 +191,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             steps_before: 0,
             unreachable: false,
             best: None,
-            best_q: vec![0.0; dof],
+            best_q: smallvec![0.0; dof],
         };
         Self {
             plan,
@@ -200,12 +206,12 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                 PATIENCE
             }),
             near2: (NEAR * plan.rotation_scale).powi(2),
-            jobs: vec![job; R::WIDTH],
-            q: vec![R::zero(); dof],
-            reference: vec![R::zero(); dof],
-            change: vec![R::zero(); dof],
-            pull: vec![R::zero(); dof],
-            columns: vec![[R::zero(); M]; dof],
+            jobs: smallvec![job; R::WIDTH],
+            q: smallvec![R::zero(); dof],
+            reference: smallvec![R::zero(); dof],
+            change: smallvec![R::zero(); dof],
+            pull: smallvec![R::zero(); dof],
+            columns: smallvec![[R::zero(); M]; dof],
             workspace: Workspace::new(plan.chain.compiled()),
             goal: Goal::zero(),
             memory: Memory::new(plan.feedback.as_ref(), dof),
@@ -223,7 +229,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         let orientation2 = square::<R>(tolerance.orientation);
         let all = ((1u64 << R::WIDTH) - 1) as u32;
 
-        let mut open: Vec<Option<Open<'a>>> = Vec::new();
+        let mut open: Opened<'a> = SmallVec::new();
         let mut busy = 0u32;
         for lane in 0..R::WIDTH {
             busy |= u32::from(self.refill(lane, &mut open, next)) << lane;
@@ -459,14 +465,14 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
     fn refill<'a>(
         &mut self,
         lane: usize,
-        open: &mut Vec<Option<Open<'a>>>,
+        open: &mut Opened<'a>,
         next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
     ) -> bool {
         loop {
             let Some((slot, i, row)) = next_row(open, next) else { return false };
             let Some(goal) = self.plan.goal(row) else {
                 // A posture inside the limits stands in for the answer.
-                let mut q = vec![0.0; self.variables.len()];
+                let mut q: PerJoint<f64> = smallvec![0.0; self.variables.len()];
                 for (x, v) in q.iter_mut().zip(self.variables) {
                     *x = 0.0f64.clamp(v.lower, v.upper);
                 }
@@ -504,17 +510,10 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
     fn start(&mut self, lane: usize, row: usize, attempt: u32, goal: &Goal<f64>) {
         let dof = self.variables.len();
         let given = self.plan.start(row);
-        let mut fixed = [0.0; 16];
-        let mut long = Vec::new();
-        let q = if dof <= fixed.len() {
-            &mut fixed[..dof]
-        } else {
-            long.resize(dof, 0.0);
-            &mut long[..]
-        };
+        let mut q: PerJoint<f64> = smallvec![0.0; dof];
         match given {
             Some(start) if attempt == 0 => q.copy_from_slice(start),
-            _ => self.plan.sampler.sample(row, attempt, goal, q),
+            _ => self.plan.sampler.sample(row, attempt, goal, &mut q),
         }
         if FEEDBACK {
             self.memory.reset(self.plan.feedback.as_ref(), lane);
@@ -528,7 +527,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
 
 /// The next row of the open runs, opening another run where they are used up.
 fn next_row<'a>(
-    open: &mut Vec<Option<Open<'a>>>,
+    open: &mut Opened<'a>,
     next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
 ) -> Option<(usize, usize, usize)> {
     loop {

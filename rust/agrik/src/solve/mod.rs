@@ -10,6 +10,7 @@ mod rows;
 mod start;
 mod step;
 
+pub use engine::run;
 pub use follow::{Follow, Path};
 pub use plan::{Answers, AnswersMut, Goals, Plan, Starts, Status, Tolerance};
 pub use rows::Solve;

@@ -1,0 +1,384 @@
+"""The HydroLek paper: Table II, figures 4 to 7, success counts, units, singular start.
+
+Burrell, Montazeri, Monk and Taylor, "Feedback Control-Based Inverse Kinematics Solvers for
+a Nuclear Decommissioning Robot". Every number is computed when `reproduce` is called;
+what the paper prints stands beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from .._checks import FloatArray
+from .._feedback import Feedback, matrix_of
+from ..goals import joint_uniform, joint_uniform_q, volume_uniform
+from ..result import Status
+from ..robot import Robot
+from ..solvers import (
+    Broyden,
+    ClosedPseudoInverse,
+    CyclicCoordinateDescent,
+    DampedLeastSquares,
+    IkPid,
+    JacobianSolver,
+    LevenbergMarquardt,
+    Plain,
+    PseudoInverse,
+    Solver,
+    StateSpace,
+    StaticGain,
+    Transpose,
+)
+from ._hydrolek_published import (
+    DISPLACEMENT_M,
+    PLANAR_DEG,
+    SUCCESS,
+    TABLE_2_MS,
+    TOLERANCES_M,
+)
+from ._output import best_seconds, write_csv, write_text
+
+__all__ = ["comparison", "error_trace", "planar_arm", "reproduce", "success_counts"]
+
+CAP = 1000
+GOALS = 1000
+SIDES = ("zero", "middle")
+TABLE_2_COLUMNS = (
+    "method",
+    "tolerance_m",
+    "reached",
+    "kept",
+    "iterations",
+    "fk",
+    "fk_and_jacobian",
+    "us",
+    "ratio_to_closed_form",
+    "ratio_to_svd",
+    "published_ms",
+    "published_ratio",
+)
+# Joint values that a planar nudge of the start moves by, rad.
+NUDGE = 1e-6 * np.array([1.0, -2.0, 1.0])
+
+
+def planar_arm() -> Robot:
+    """Return the paper's arm of three links of 2 m (Table III)."""
+    rows = np.array([[2.0, 0.0, 0.0, 0.0]] * 3)
+    limit = np.deg2rad(60)
+    return Robot.from_dh(
+        rows, limits=[(-limit, limit)] * 3, joint_types=["revolute"] * 3, name="planar3"
+    )
+
+
+def static_gain(name: str) -> StaticGain:
+    """Return the gain that a bundled state space settles to."""
+    source = StateSpace.load(name)
+    return StaticGain(
+        K=matrix_of("K", source.static_gain()),
+        length_unit_m=source.length_unit_m,
+        angle_unit_rad=source.angle_unit_rad,
+        frame=source.frame,
+        robot=source.robot,
+    )
+
+
+def methods() -> dict[str, tuple[JacobianSolver | Feedback, str]]:
+    """Return the compared solvers with the line of Table II that each stands beside."""
+    gain = static_gain("hydrolek_k15_cma")
+    return {
+        "pseudo-inverse, closed form": (ClosedPseudoInverse(), "pseudo-inverse"),
+        "pseudo-inverse, SVD": (PseudoInverse(cutoff=1e-9), "pseudo-inverse"),
+        "transpose": (Transpose(), "transpose"),
+        "damped, 200 mm": (DampedLeastSquares(damping=0.2), "damped"),
+        "IK-PID, published": (IkPid.load("hydrolek_pid_published_tuned"), "IK-PID"),
+        "state space, 90 (PSO)": (StateSpace.load("hydrolek_full90_pso"), "state space"),
+        "state space, 15 (CMA-ES)": (StateSpace.load("hydrolek_k15_cma"), "state space"),
+        "static gain, 15": (gain, "state space"),
+        "Broyden from static gain": (Broyden.from_gain(gain), ""),
+        "coordinate descent": (CyclicCoordinateDescent(), ""),
+        "LM": (LevenbergMarquardt(), ""),
+    }
+
+
+def plain(solver: JacobianSolver | Feedback, start: str) -> Solver:
+    """Return the solver as the paper runs it: one attempt, full steps, saturation."""
+    if isinstance(solver, LevenbergMarquardt):
+        # Its active set is what makes it work at limits; one attempt all the same.
+        return replace(solver, max_iterations=CAP, max_restarts=0)
+    return Plain(solver=solver, start=start)
+
+
+def _start(robot: Robot, start: str) -> FloatArray:
+    middle = 0.5 * (robot.lower + robot.upper)
+    return middle if start == "middle" else np.clip(np.zeros(robot.dof), robot.lower, robot.upper)
+
+
+def comparison(robot: Robot, goals: FloatArray, start: str) -> list[list[object]]:
+    """Return Table II anew: one row a method and tolerance.
+
+    Columns: method, tolerance (m), goals reached, goals left after those that some method
+    misses at some tolerance are removed, mean iterations on these, kinematics evaluations
+    (FK and FK with Jacobian), us a solve on one thread, its ratio to the closed-form
+    pseudo-inverse and to the one by SVD, and the published ms and ratio.
+    """
+    q0 = _start(robot, start)
+    runs = {}
+    common = np.ones(len(goals), dtype=bool)
+    for name, (solver, _) in methods().items():
+        for tolerance in TOLERANCES_M:
+            answer = robot.ik(
+                goals, solver=plain(solver, start), q0=q0, position_tolerance=tolerance
+            )
+            runs[name, tolerance] = answer
+            common &= answer.success
+    kept = goals[common]
+    times = {}
+    for name, (solver, _) in methods().items():
+        for tolerance in TOLERANCES_M:
+            chosen = plain(solver, start)
+            work = partial(
+                robot.ik, kept, solver=chosen, q0=q0, position_tolerance=tolerance, threads=1
+            )
+            times[name, tolerance] = best_seconds(work) / max(len(kept), 1) * 1e6
+    rows: list[list[object]] = []
+    for name, (solver, line) in methods().items():
+        for i, tolerance in enumerate(TOLERANCES_M):
+            answer = runs[name, tolerance]
+            steps = float(answer.iterations[common].mean())
+            forward, jacobians = _evaluations(solver, robot.dof, steps)
+            time = times[name, tolerance]
+            published = TABLE_2_MS[line][i] if line else None
+            reference = TABLE_2_MS["pseudo-inverse"][i]
+            ratio = None if published is None or reference is None else published / reference
+            rows.append(
+                [
+                    name,
+                    tolerance,
+                    int(answer.success.sum()),
+                    len(kept),
+                    round(steps, 2),
+                    round(forward, 1),
+                    round(jacobians, 1),
+                    round(time, 3),
+                    round(time / times["pseudo-inverse, closed form", tolerance], 2),
+                    round(time / times["pseudo-inverse, SVD", tolerance], 2),
+                    published,
+                    None if ratio is None else round(ratio, 3),
+                ]
+            )
+    return rows
+
+
+def _evaluations(solver: Solver, dof: int, steps: float) -> tuple[float, float]:
+    """Return passes of forward kinematics alone, and of it with the Jacobian."""
+    if isinstance(solver, IkPid):
+        return 2 * dof * steps + 1, 0.0
+    if isinstance(solver, StateSpace | StaticGain | Broyden | CyclicCoordinateDescent):
+        return steps + 1, 0.0
+    return 0.0, steps + 1
+
+
+def success_counts(robot: Robot) -> list[list[object]]:
+    """Return goals reached of 1,000 at 1 mm: published, on sets J (three seeds) and V."""
+    solvers: Mapping[str, Feedback] = {
+        "IK-PID, Kp 0.02": IkPid.load("hydrolek_pid_published_kp"),
+        "IK-PID, tuned": IkPid.load("hydrolek_pid_published_tuned"),
+        "state space, trial": StateSpace.load("hydrolek_trial_published"),
+        "state space, optimised": StateSpace.load("hydrolek_full90_pso"),
+    }
+    sets = {f"J{seed}": joint_uniform(robot, GOALS, seed) for seed in (1, 11, 12)}
+    sets["V"] = volume_uniform(robot, GOALS, 2)
+    rows: list[list[object]] = []
+    for name, solver in solvers.items():
+        for start in SIDES:
+            counts = [
+                int(
+                    robot.ik(
+                        goals, solver=plain(solver, start), position_tolerance=1e-3
+                    ).success.sum()
+                )
+                for goals in sets.values()
+            ]
+            rows.append([name, start, SUCCESS[name], *counts])
+    return rows
+
+
+def units(robot: Robot) -> list[list[object]]:
+    """Return goals reached by the IK-PID gains in three readings of their units."""
+    goals = joint_uniform(robot, GOALS, 1)
+    degree = float(np.pi / 180)
+    readings = {"deg/mm": (1e-3, degree), "deg/cm": (1e-2, degree), "rad/m": (1.0, 1.0)}
+    rows: list[list[object]] = []
+    for reading, (length, angle) in readings.items():
+        for start in SIDES:
+            row: list[object] = [reading, start]
+            for gains in ("hot", "kp", "tuned"):
+                solver = replace(
+                    IkPid.load(f"hydrolek_pid_published_{gains}"),
+                    length_unit_m=length,
+                    angle_unit_rad=angle,
+                )
+                answer = robot.ik(goals, solver=plain(solver, start), position_tolerance=1e-3)
+                row.append(int(answer.success.sum()))
+            rows.append(row)
+    return rows
+
+
+def error_trace(
+    robot: Robot, solver: Feedback, goal: FloatArray, start: str, steps: int, tolerance: float
+) -> FloatArray:
+    """Return the error after 0, 1, 2, ... steps of one solve, m; ends where it ends."""
+    q0 = _start(robot, start)
+    errors = [float(np.linalg.norm(robot.fk(q0)[:3, 3] - goal))]
+    for cap in range(1, steps + 1):
+        answer = robot.ik(
+            goal,
+            solver=Plain(solver=solver, start=start, max_iterations=cap),
+            q0=q0,
+            position_tolerance=tolerance,
+        )
+        errors.append(float(answer.position_error))
+        if answer.status != Status.NOT_FOUND:
+            break
+    return np.array(errors)
+
+
+def displaced_goal(robot: Robot, start: str) -> FloatArray:
+    """Return the goal (-10, 50, -20) cm away from the start in the paper frame, m."""
+    turn = robot.frames["paper"][:3, :3]
+    point: FloatArray = robot.fk(_start(robot, start))[:3, 3] + np.array(DISPLACEMENT_M) @ turn
+    return point
+
+
+def singular_start() -> list[list[object]]:
+    """Return what becomes of the stretched planar arm with its goal on its own line.
+
+    Columns: solver, start, status, iterations, error (m), joint values (degrees), goals
+    reached of 1,000 reachable ones from the stretched pose (tolerance 0.01 m).
+    """
+    arm = planar_arm()
+    goal = np.array([5.0, 0.0, 0.0])
+    five = IkPid(kp=5.0, ki=0.0, kd=0.0, length_unit_m=1.0)
+    solvers: dict[str, JacobianSolver | Feedback] = {
+        "transpose": Transpose(),
+        "pseudo-inverse": PseudoInverse(cutoff=1e-9),
+        "damped, 1 m": DampedLeastSquares(damping=1.0),
+        "IK-PID, 5 degrees a unit": five,
+        "state space, claim": StateSpace.load("planar3_claim"),
+        "state space, set": StateSpace.load("planar3_set"),
+        "state space, full": StateSpace.load("planar3_set_full"),
+    }
+    others = joint_uniform(arm, GOALS, 1)
+    rows: list[list[object]] = []
+    for name, solver in solvers.items():
+        many = arm.ik(others, solver=plain(solver, "zero"), position_tolerance=1e-2)
+        for start, q0 in (("stretched", np.zeros(3)), ("nudged", NUDGE)):
+            answer = arm.ik(goal, solver=plain(solver, "zero"), q0=q0, position_tolerance=1e-6)
+            angles = " ".join(f"{angle:.3f}" for angle in np.rad2deg(answer.q))
+            rows.append(
+                [
+                    name,
+                    start,
+                    Status(int(answer.status)).name.lower(),
+                    int(answer.iterations),
+                    float(answer.position_error),
+                    angles,
+                    int(many.success.sum()) if start == "stretched" else None,
+                ]
+            )
+    return rows
+
+
+def planar_claim() -> float:
+    """Return the error of the published joint angles at (5, 0), m."""
+    point = planar_arm().fk(np.deg2rad(PLANAR_DEG))[:3, 3]
+    return float(np.linalg.norm(point - np.array([5.0, 0.0, 0.0])))
+
+
+def reproduce(directory: Path, report: Callable[[str], None] | None = None) -> list[Path]:
+    """Write the paper's tables (CSV) and figures (PNG, SVG) and return the files.
+
+    Parameters
+    ----------
+    directory : Path
+        An existing folder, or one to be made.
+    report : callable, optional
+        Told in a few words what is being made.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    AgrikError
+        Matplotlib is missing.
+    """
+    from . import _hydrolek_figures as figures
+
+    say = report or (lambda _: None)
+    directory.mkdir(parents=True, exist_ok=True)
+    robot = Robot.load("hydrolek")
+    goals = joint_uniform(robot, GOALS, 1)
+    files = []
+    header = TABLE_2_COLUMNS
+    for start in SIDES:
+        say(f"Table II, start {start}")
+        rows = comparison(robot, goals, start)
+        files.append(write_csv(directory / f"table2_{start}.csv", header, rows))
+    say("success counts")
+    rows = success_counts(robot)
+    head = ["method", "start", "published", "J1", "J11", "J12", "V"]
+    files.append(write_csv(directory / "success.csv", head, rows))
+    rows = units(robot)
+    head = ["units", "start", "kp_0.0847", "kp_0.02", "tuned"]
+    files.append(write_csv(directory / "units.csv", head, rows))
+    files += figures.units(directory, rows)
+    say("singular start")
+    rows = singular_start()
+    head = ["solver", "start", "status", "iterations", "error_m", "q_deg", "reached_of_1000"]
+    files.append(write_csv(directory / "singular_start.csv", head, rows))
+    say("figures 4 to 7")
+    goal = displaced_goal(robot, "zero")
+    hot = IkPid.load("hydrolek_pid_published_hot")
+    traces = {
+        f"Kp = {kp}": error_trace(robot, replace(hot, kp=kp), goal, "zero", 60, 1e-4)
+        for kp in (0.0848, 0.0847, 0.02)
+    }
+    files += figures.error_traces(directory, "figure4", {"IK-PID, Ki = Kd = 0": traces}, "sweeps")
+    sets = {"trial and error": "hydrolek_trial_published", "optimised": "hydrolek_full90_pso"}
+    panels = {
+        title: {title: error_trace(robot, StateSpace.load(name), goal, "zero", 400, 1e-4)}
+        for title, name in sets.items()
+    }
+    files += figures.error_traces(directory, "figure5", panels, "iterations")
+    solver = StateSpace.load("hydrolek_full90_pso")
+    answer = robot.ik(goals, solver=solver, position_tolerance=1e-3)
+    turn = robot.frames["paper"][:3, :3]
+    files += figures.workspace(directory, goals @ turn.T, answer.success)
+    arm = planar_arm()
+    found = arm.ik(
+        np.array([5.0, 0.0, 0.0]), solver=StateSpace.load("planar3_claim"), position_tolerance=0.02
+    )
+    cloud = arm.fk(joint_uniform_q(arm, 4000, 3))[:, :2, 3]
+    files += figures.planar(directory, cloud, arm.fk_links(found.q)[:, :2, 3])
+    files.append(_summary(directory, found.q))
+    return files
+
+
+def _summary(directory: Path, planar_q: FloatArray) -> Path:
+    angles = ", ".join(f"{angle:.1f}" for angle in np.rad2deg(planar_q))
+    published = ", ".join(map(str, PLANAR_DEG))
+    lines = [
+        "table2_*.csv: Table II on goals drawn uniformly in the joint limits; one thread.",
+        "success.csv: goals reached of 1,000; units.csv: what units the gains can be in.",
+        f"Planar arm at (5, 0): ({angles}) degrees; published ({published}) degrees,",
+        f"which miss the goal by {planar_claim():.4f} link units.",
+    ]
+    return write_text(directory / "README.txt", lines)
