@@ -17,7 +17,7 @@ from peer_bench import goals, machine, measure, tables
 from peer_bench.libraries import LIBRARIES, OURS, BenchError, Process
 from peer_bench.robots import POSE_ANGLE_RAD, POSE_POSITION_M, load_robots
 
-TASKS = ("pose", "position", "fk", "jacobian", "single", "threads", "simd", "memory")
+TASKS = ("pose", "closed", "position", "fk", "jacobian", "single", "threads", "simd", "memory")
 SOLVING = ("pose", "position")
 POSITION_M = 1e-4
 MEMORY_TARGETS_PER_BATCH_TARGET = 10
@@ -57,7 +57,7 @@ def start_workers(names: list[str], tasks: list[str]) -> dict[str, Process]:
     core = machine.measuring_core()
     workers = {}
     for name in names:
-        only_ours = not set(tasks) & {*SOLVING, "fk", "jacobian"}
+        only_ours = not set(tasks) & {*SOLVING, "closed", "fk", "jacobian"}
         if name != OURS and (only_ours or (name == "numpy" and not {"fk"} & set(tasks))):
             continue
         workers[name] = Process(LIBRARIES[name], core)
@@ -96,6 +96,19 @@ def run_solving(task: str, workers: dict[str, Process], chosen: argparse.Namespa
     print("\nsettings:")
     for name, setting in settings.items():
         print(f"  {name}: {setting}")
+    return out
+
+
+def run_closed(workers: dict[str, Process], chosen: argparse.Namespace) -> Any:
+    """Every branch of arms with a closed form, beside the libraries that have it too."""
+    plan = measure.Plan(chosen.n, chosen.batch_n, chosen.repeats)
+    out = {
+        robot: measure.solve_table(workers, robot, plan, None, "closed_form")
+        for robot in chosen.robots
+    }
+    out = {robot: table for robot, table in out.items() if table}
+    print("\n## closed forms: every branch, CPU us a pose through the Python API\n")
+    print(tables.closed_form_rows(out))
     return out
 
 
@@ -177,6 +190,8 @@ def run(chosen: argparse.Namespace) -> None:
     for task in chosen.tasks:
         if task in SOLVING:
             results[task] = run_solving(task, workers, chosen)
+        elif task == "closed":
+            results[task] = run_closed(workers, chosen)
         elif task in ("fk", "jacobian"):
             results[task] = run_evaluation(task, workers, chosen)
         elif OURS in workers:

@@ -40,6 +40,7 @@ html_sidebars = {
     "robots": [],
     "solvers": [],
     "population": [],
+    "closed-forms": [],
 }
 
 # The API pages are read from the sources and, for the compiled module, from its stub,

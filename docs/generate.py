@@ -34,6 +34,24 @@ def draw_reach(file: Path) -> None:
     plt.close(figure)
 
 
+def draw_arm_angles(file: Path) -> None:
+    """Draw the arm angles that the limits allow for one pose of redundant7, by branch."""
+    arm = ik.Robot.load("redundant7")
+    pose = arm.fk([2.2, -1.3, 1.1, 1.4, -0.9, 1.2, 0.5])
+    figure, axis = plt.subplots(figsize=(8, 3), layout="constrained")
+    for branch, intervals in enumerate(arm.arm_angle_intervals(pose)):
+        for low, high in np.degrees(intervals):
+            # The last interval may go through half a turn.
+            for left in (low, low - 360):
+                axis.barh(branch, high - low, left=left, height=0.6, color="#2a7f62")
+    axis.set_xlim(-180, 180)
+    axis.set_xticks(range(-180, 181, 60))
+    axis.set_xlabel("arm angle [degrees]")
+    axis.set_ylabel("branch")
+    figure.savefig(file, metadata={"Date": None})
+    plt.close(figure)
+
+
 def describe(name: str) -> str:
     """Return the description of a robot and the table of its joints, as Markdown."""
     arm = ik.Robot.load(name)
@@ -56,6 +74,7 @@ def main(folder: Path) -> None:
     """Write everything into `folder`."""
     folder.mkdir(exist_ok=True)
     draw_reach(folder / "reach.svg")
+    draw_arm_angles(folder / "arm_angles.svg")
     strawberry.reproduce(folder / "papers" / "strawberry")
     tomato.reproduce(folder / "papers" / "tomato")
     redundant7.reproduce(folder / "papers" / "redundant7", repeats=200)

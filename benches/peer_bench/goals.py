@@ -15,6 +15,9 @@ BATCH_RATIO = {"R7": 30.0, "H6": 15.0, "P6": 15.0, "UR5": 15.0, "Panda": 15.0}
 BATCH_SUCCESS = 0.9999
 SINGLE_RATIO_R7 = 4.0
 POSITION_RATIO_H6 = 10.0
+CLOSED_BATCH_RATIO_P6 = 10.0
+CLOSED_SINGLE_RATIO_P6 = 3.0
+CLOSED_BATCH_US_R7 = 1.0
 THREADS_RATIO = 1.8
 FK_OVER_NUMPY_BATCH = 25.0
 FK_OVER_PINOCCHIO = 15.0
@@ -29,7 +32,7 @@ def goal_rows(results: dict[str, Any]) -> str:
     """Return the table of goals for the tasks that were run."""
     rows = [
         [name, asked, got, "yes" if met else "no"]
-        for part in (_pose, _position, _threads, _evaluations, _latency, _memory)
+        for part in (_pose, _closed, _position, _threads, _evaluations, _latency, _memory)
         for name, asked, got, met in part(results)
     ]
     return render(["measure", "goal", "measured", "met"], rows) if rows else ""
@@ -111,6 +114,30 @@ def _position(results: dict[str, Any]) -> list[Row]:
         if batch:
             got = f"{percent(batch['success'])} of {batch['n']:,}"
             rows.append((f"{robot} position, success", "100 %", got, batch["success"] == 1.0))
+    return rows
+
+
+def _closed(results: dict[str, Any]) -> list[Row]:
+    rows: list[Row] = []
+    for robot, table in results.get("closed", {}).items():
+        eaik = table.get("eaik")
+        if robot == "P6" and eaik and "batch_ratio" in eaik:
+            for name, key, least in (
+                ("every branch, batch: EAIK's mean / ours", "batch_ratio", CLOSED_BATCH_RATIO_P6),
+                (
+                    "every branch, single: EAIK's median / ours",
+                    "single_ratio",
+                    CLOSED_SINGLE_RATIO_P6,
+                ),
+            ):
+                rows += _ratio(f"P6 {name}", ("eaik", eaik[key]), least)
+            same = eaik["same_count"]
+            rows.append(("P6 branches: same count as EAIK", "100 %", percent(same), same == 1.0))
+        if robot == "R7" and "batch" in table.get(OURS, {}):
+            spent = table[OURS]["batch"]["mean"]
+            asked = f"<= {CLOSED_BATCH_US_R7:g} us"
+            name = "R7 every branch at an arm angle, batch"
+            rows.append((name, asked, f"{spent:.3g} us", spent <= CLOSED_BATCH_US_R7))
     return rows
 
 

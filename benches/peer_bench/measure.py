@@ -65,15 +65,23 @@ class Plan:
 
 
 def solve_table(
-    workers: dict[str, Process], robot: str, plan: Plan, position_only_m: float | None
+    workers: dict[str, Process],
+    robot: str,
+    plan: Plan,
+    position_only_m: float | None,
+    what: str = "pose",
 ) -> dict[str, dict[str, Any]]:
     """One robot, every library that can: success, CPU microseconds, and ratios to ours."""
-    request = {"robot": robot, "count": plan.count, "position_only_m": position_only_m}
+    request = {
+        "robot": robot, "count": plan.count, "position_only_m": position_only_m, "what": what
+    }  # fmt: skip
     opened = {name: worker.ask("open", **request) for name, worker in workers.items()}
     able = {name: workers[name] for name, answer in opened.items() if answer["able"]}
     ours = able.pop(OURS, None)
     with_batch = ours is not None and opened[OURS]["batch"]
 
+    if what == "closed_form" and ours is None:
+        return {}
     # Without a peer to alternate with, ours is still measured.
     names = list(able) or [OURS]
     peers = {name: Samples() for name in able}
@@ -121,6 +129,11 @@ def solve_table(
                 batch_us = np.array([answer["cpu_ns"] for answer in batches[name]]) / 1e3
                 row["batch_ratio"] = _ratio(samples.per_repeat("mean"), batch_us)
         table[name] = row
+    if what == "closed_form":
+        counts = {name: workers[name].ask("branches")["counts"] for name in table}
+        for name, found in counts.items():
+            table[name]["branches"] = sum(found) / len(found)
+            table[name]["same_count"] = float(np.mean(np.equal(found, counts[OURS])))
     return table
 
 

@@ -75,6 +75,27 @@ def solve_rows(table: dict[str, dict[str, Any]]) -> str:
     return render(header, rows)
 
 
+def closed_form_rows(tables: dict[str, dict[str, dict[str, Any]]]) -> str:
+    """Every branch of each pose: single calls, our batch, and how many branches there are."""
+    header = [
+        "robot", "library", "success", "branches a pose", "same count as ours", "single median us",
+        "single mean us", "batch us", "single: median/ours", "mean/our batch",
+    ]  # fmt: skip
+    rows = []
+    for robot, table in tables.items():
+        for name in sorted(table, key=_ours_first):
+            row = table[name]
+            rows.append(
+                [
+                    robot, name, percent(row["success"]), number(row["branches"]),
+                    percent(row["same_count"]), number(row["median"]), number(row["mean"]),
+                    number(row.get("batch", {}).get("mean")), times(row.get("single_ratio")),
+                    times(row.get("batch_ratio")),
+                ]
+            )  # fmt: skip
+    return render(header, rows)
+
+
 def evaluation_rows(tables: dict[str, dict[str, dict[str, Any]]]) -> str:
     """FK or Jacobian: microseconds a configuration, one pair of columns a robot."""
     robots = list(tables)

@@ -56,9 +56,11 @@ class Worker:
             path.write_text(urdf_text(self.robots[robot]))
         return str(path)
 
-    def open(self, robot: str, count: int, position_only_m: float | None) -> dict[str, Any]:
+    def open(
+        self, robot: str, count: int, position_only_m: float | None, what: str = "pose"
+    ) -> dict[str, Any]:
         """Prepare `count` targets of a robot for single solves."""
-        make = getattr(self.adapter, "pose" if position_only_m is None else "position", None)
+        make = getattr(self.adapter, what if position_only_m is None else "position", None)
         arguments = () if position_only_m is None else (position_only_m,)
         self.robot = self.robots[robot]
         self.position_only_m = position_only_m
@@ -135,9 +137,10 @@ class Worker:
         self.solver.batch(poses[:100], threads)
         gc.disable()
         w, c = wall_clock(), cpu_clock()
-        q, claimed = self.solver.batch(poses, threads)
+        result = self.solver.batch(poses, threads)
         c, w = cpu_clock() - c, wall_clock() - w
         gc.enable()
+        q, claimed = self.solver.unpack(result)
         claimed = np.asarray(claimed)
         good = claimed & solved(self.robot, q, poses, self.position_only_m)
         return {
@@ -147,6 +150,12 @@ class Worker:
             "claimed": int(claimed.sum()),
             "n": count,
         }
+
+    def branches(self) -> dict[str, Any]:
+        """Solutions of each target, limits aside."""
+        assert self.solver is not None
+        assert self.solver.count is not None
+        return {"counts": [self.solver.count(native) for native in self.natives]}
 
     def memory(self, robot: str, count: int) -> dict[str, Any]:
         """Bytes in, bytes out and the rise of resident memory of one batch call."""

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from ._native import __version__, get_num_threads, set_num_threads, simd_level
     from .errors import AgrikError, ArgumentError, RobotFileError, UnknownNameError, UrdfError
     from .path import Path
-    from .result import IkResult, Status
+    from .result import Branches, IkResult, Singularity, Status
     from .robot import Robot
 else:
     from ._lazy import __dir__ as __dir__
@@ -20,10 +20,12 @@ else:
 __all__ = [
     "AgrikError",
     "ArgumentError",
+    "Branches",
     "IkResult",
     "Path",
     "Robot",
     "RobotFileError",
+    "Singularity",
     "Status",
     "UnknownNameError",
     "UrdfError",

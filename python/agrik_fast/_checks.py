@@ -39,14 +39,16 @@ def whole_number(argument: str, value: object, low: int, high: int | None = None
 def real_number(
     argument: str,
     value: object,
-    low: float,
+    low: float = -math.inf,
     high: float = math.inf,
     *,
     open_low: bool = False,
     unit: str = "",
 ) -> float:
     """Return `value` as a finite float in [low, high], or (low, high] if `open_low`."""
-    expected = f"a finite number {'>' if open_low else '>='} {low:g}"
+    expected = "a finite number"
+    if math.isfinite(low):
+        expected += f" {'>' if open_low else '>='} {low:g}"
     if math.isfinite(high):
         expected += f" and <= {high:g}"
     if unit:

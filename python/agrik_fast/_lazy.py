@@ -8,10 +8,12 @@ import sys
 MODULE_OF = {
     "AgrikError": "errors",
     "ArgumentError": "errors",
+    "Branches": "result",
     "IkResult": "result",
     "Path": "path",
     "Robot": "robot",
     "RobotFileError": "errors",
+    "Singularity": "result",
     "Status": "result",
     "UnknownNameError": "errors",
     "UrdfError": "errors",

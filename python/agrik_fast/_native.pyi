@@ -13,6 +13,7 @@ from .solvers import Solver
 from .tasks import Task
 
 __all__ = [
+    "Branches",
     "Chain",
     "IkResult",
     "StrawberryArm",
@@ -257,6 +258,54 @@ class Chain:
         tool: ArrayLike | None = None,
     ) -> NDArray[np.float64]:
         """Return the best cost of a population solver's first run, generation by generation."""
+
+    def ik_all(
+        self,
+        targets: ArrayLike,
+        q0: ArrayLike | None = None,
+        tool: ArrayLike | None = None,
+        threads: int | None = None,
+        arm_angle: ArrayLike | None = None,
+        position_tolerance: float | None = None,
+        orientation_tolerance: float | None = None,
+    ) -> Branches:
+        """All branches of a batch of poses; see `agrik_fast.Robot.ik_all`."""
+
+    def arm_angle(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Arm angles, shape (...), rad, of joint values, shape (..., dof), of an S-R-S arm."""
+
+    def arm_angle_intervals(
+        self, target: ArrayLike, tool: ArrayLike | None = None
+    ) -> list[list[tuple[float, float]]]:
+        """Arm angles that the limits allow for one pose: for each branch (lower, upper), rad."""
+
+    @property
+    def closed_form(self) -> tuple[str | None, str | None]:
+        """Family of the chain's closed form, or why it has none: (name, reason)."""
+
+@final
+class Branches:
+    """Every branch of the targets of one `Robot.ik_all` call."""
+
+    @property
+    def q(self) -> NDArray[np.float64]:
+        """Joint values, shape (..., branches, dof), rad; the nearest where not reached."""
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """Reached by forward kinematics, inside the limits, no branch twice."""
+
+    @property
+    def reached(self) -> NDArray[np.bool_]:
+        """`valid` without regard to the limits."""
+
+    @property
+    def singular(self) -> NDArray[np.uint8]:
+        """Singularities of each branch, a sum of codes of `agrik_fast.Singularity`."""
+
+    @property
+    def status(self) -> NDArray[np.uint8]:
+        """Codes of `agrik_fast.Status`."""
 
 @final
 class TargetSolver:

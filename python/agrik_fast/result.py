@@ -1,12 +1,29 @@
-"""What `Robot.ik` returns: the status codes and the result record."""
+"""What `Robot.ik` and `Robot.ik_all` return: status codes, results, singularities."""
 
 from __future__ import annotations
 
-from enum import IntEnum
+from enum import IntEnum, IntFlag
 
-from ._native import IkResult
+from ._native import Branches, IkResult
 
-__all__ = ["IkResult", "Status"]
+__all__ = ["Branches", "IkResult", "Singularity", "Status"]
+
+
+class Singularity(IntFlag):
+    """Where a branch of `Robot.ik_all` nearly meets another, as in ``Branches.singular``.
+
+    Nearly means: the sine of the angle between the two is below 1e-6.
+    """
+
+    SHOULDER = 1
+    """The wrist's centre is on the first axis or at the edge of what the first joints
+    allow; of an S-R-S arm, its first and third axis are in line."""
+
+    ELBOW = 2
+    """The arm is stretched or folded."""
+
+    WRIST = 4
+    """The first and the last axis of the wrist are in line."""
 
 
 class Status(IntEnum):
@@ -20,7 +37,8 @@ class Status(IntEnum):
     """The joint values meet the tolerances and the limits, by a final FK check."""
 
     OUT_OF_REACH = 1
-    """Proven unreachable by a bound (reach radius, reach box); tried once, to come near."""
+    """Proven unreachable: by a bound (reach radius, reach box; tried once, to come near), or
+    because no branch of a closed form reaches the target within the limits."""
 
     NOT_FOUND = 2
     """No solution within the iteration and restart caps; one may still exist."""

@@ -19,7 +19,7 @@ from .errors import UnknownNameError
 if TYPE_CHECKING:
     from ._native import TargetSolver
     from .path import Path
-    from .result import IkResult
+    from .result import Branches, IkResult
     from .solvers import DifferentialEvolution, GeneticAlgorithm, Solver
     from .tasks import Task
 
@@ -380,8 +380,10 @@ class Robot:
         task : task or {"position", "pose", "axis"}, optional
             What counts as reached, see `agrik_fast.tasks`. Default: "pose" for shape
             (..., 4, 4), "position" for (..., 3).
-        solver : solver or {"lm", "dls", "pinv", "transpose", "de", "ga"}, default "lm"
-            How to get there, see `agrik_fast.solvers`.
+        solver : solver or a name, default "lm"
+            How to get there, see `agrik_fast.solvers`; names are "lm", "dls", "pinv",
+            "transpose", "de", "ga", "closed_form" (full poses of arms that have one, see
+            `closed_form`) and "auto", the closed form where there is one, else "lm".
         q0 : array_like, shape broadcastable to (..., n), rad or m, optional
             Start values of the first attempt. Default: chosen from the seed.
         seed : int, default 0
@@ -577,6 +579,133 @@ class Robot:
             A step solver, several targets, or a wrong argument as in `ik`.
         """
         return self._chain.cost_history(target, solver, task, q0, seed, tool)
+
+    @property
+    def closed_form(self) -> str | None:
+        """Family of the arm's closed form, "spherical wrist" or "S-R-S"; None without."""
+        return self._chain.closed_form[0]
+
+    def ik_all(
+        self,
+        targets: ArrayLike,
+        q0: ArrayLike | None = None,
+        tool: ArrayLike | None = None,
+        threads: int | None = None,
+        arm_angle: ArrayLike | None = None,
+        *,
+        position_tolerance: float = 1e-6,
+        orientation_tolerance: float = 1e-6,
+    ) -> Branches:
+        """Every branch of the inverse kinematics of an arm with a closed form.
+
+        Six revolute joints of which the last three axes meet have up to eight branches;
+        seven revolute joints of which also the first three meet (S-R-S) have up to eight
+        for each arm angle. Each branch is checked by forward kinematics.
+
+        Parameters
+        ----------
+        targets : array_like, shape (..., 4, 4)
+            Poses of the tool in the base frame; m.
+        q0 : array_like, shape broadcastable to (..., n), rad, optional
+            Of the values a whole turn apart that a joint's limits allow, the one nearest to
+            this is returned, and angles that a singularity leaves open are taken from it.
+            Default: the middle of the limits.
+        tool : array_like, shape (4, 4), optional
+            Tool in the last link's frame, in place of the robot's own for this call.
+        threads : int, optional
+            Number of threads, as for `ik`.
+        arm_angle : array_like, shape broadcastable to (...), rad, optional
+            Arm angle of an S-R-S arm, see `arm_angle`. Default: that of `q0`, or 0.
+        position_tolerance : float, default 1e-6
+            Largest distance between tool point and target, m; above 0. Branches of
+            reachable targets come to rounding; this decides at the edge of the reach.
+        orientation_tolerance : float, default 1e-6
+            Largest angle between tool and target orientation, rad; above 0.
+
+        Returns
+        -------
+        Branches
+            Joint values (..., 8, n), which of them are valid, and a status per target:
+            ``CONVERGED`` with at least one valid branch; ``OUT_OF_REACH`` if no solution
+            exists within the limits; ``NOT_FOUND`` if an S-R-S arm has one only at other
+            arm angles or not at all.
+
+        Raises
+        ------
+        ArgumentError
+            The arm has no closed form (the message says why), or an argument is wrong.
+        KeyboardInterrupt
+            Ctrl-C; a long batch stops within a second.
+
+        Examples
+        --------
+        >>> import agrik_fast as ik
+        >>> arm = ik.Robot.load("puma560")
+        >>> branches = arm.ik_all(arm.fk([0.1, 0.6, -0.4, 0.3, 0.5, 0.2]))
+        >>> branches.q.shape, int(branches.valid.sum())
+        ((8, 6), 4)
+        """
+        return self._chain.ik_all(
+            targets,
+            q0,
+            tool,
+            threads,
+            arm_angle,
+            position_tolerance,
+            orientation_tolerance,
+        )
+
+    def arm_angle(self, q: ArrayLike) -> FloatArray:
+        """Arm angle of an S-R-S arm.
+
+        The elbow's turn about the line from shoulder to wrist, by the right hand about the
+        direction to the wrist. It is zero where the elbow leans towards the direction of
+        the first axis (where the wrist is right above or below the shoulder: towards x of
+        the base frame, or y if the first axis is along x).
+
+        Parameters
+        ----------
+        q : array_like, shape (..., 7), rad
+            Joint values.
+
+        Returns
+        -------
+        ndarray, shape (...), rad
+            Angles in [-pi, pi].
+
+        Raises
+        ------
+        ArgumentError
+            The arm is no S-R-S arm, or `q` has another last dimension.
+        """
+        return self._chain.arm_angle(q)
+
+    def arm_angle_intervals(
+        self, target: ArrayLike, tool: ArrayLike | None = None
+    ) -> tuple[FloatArray, ...]:
+        """Arm angles at which the limits allow a pose of an S-R-S arm, for each branch.
+
+        Parameters
+        ----------
+        target : array_like, shape (4, 4)
+            Pose of the tool in the base frame; m.
+        tool : array_like, shape (4, 4), optional
+            Tool in the last link's frame, in place of the robot's own.
+
+        Returns
+        -------
+        tuple of 8 ndarray, shape (k, 2), rad
+            First and last arm angle of each interval, in the order of the branches of
+            `ik_all`; the first in [-pi, pi), the last above pi where the interval goes
+            through half a turn. No rows for a branch without any.
+
+        Raises
+        ------
+        ArgumentError
+            The arm is no S-R-S arm, or the target is no rigid transform.
+        """
+        found = self._chain.arm_angle_intervals(target, tool)
+        return tuple(np.array(one, dtype=np.float64).reshape(-1, 2) for one in found)
 
     def ik_stream(
         self,

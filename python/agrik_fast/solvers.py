@@ -1,11 +1,12 @@
 """Solvers: how a target is reached.
 
-Pass one to `Robot.ik` as an object or, with its defaults, by its name. There are two
-kinds. *Population solvers* (`agrik_fast.population`) search the whole range of the joints
-with many postures at once. *Step solvers*, defined here, share one loop: it tests for
-convergence, takes a step within the joint limits, and restarts when an attempt has used up
-its iterations, from the best of a few postures that are drawn at random. They differ in how
-the step is computed.
+Pass one to `Robot.ik` as an object or, with its defaults, by its name. There are three
+kinds. `ClosedForm` computes the answer outright where the arm's geometry allows it; the
+name "auto" takes it there, for full poses, and "lm" elsewhere. *Population solvers*
+(`agrik_fast.population`) search the whole range of the joints with many postures at once.
+*Step solvers*, defined here, share one loop: it tests for convergence, takes a step within
+the joint limits, and restarts when an attempt has used up its iterations, from the best of
+a few postures that are drawn at random. They differ in how the step is computed.
 
 Rows of the error and the Jacobian that concern orientation are scaled by a length per
 radian (0.3 times the robot's reach), so that one damping serves metres and radians.
@@ -14,7 +15,7 @@ radian (0.3 times the robot's reach), so that one damping serves metres and radi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, TypeAlias
+from typing import ClassVar, Literal, TypeAlias
 
 from ._checks import real_number, whole_number
 from ._feedback import (
@@ -31,6 +32,7 @@ from .population import DifferentialEvolution, GeneticAlgorithm
 
 __all__ = [
     "Broyden",
+    "ClosedForm",
     "ClosedPseudoInverse",
     "CyclicCoordinateDescent",
     "DampedLeastSquares",
@@ -296,5 +298,49 @@ class Plain:
         whole_number("Plain.max_iterations", self.max_iterations, 1, _LARGEST_COUNT)
 
 
-Solver: TypeAlias = JacobianSolver | Feedback | Plain | DifferentialEvolution | GeneticAlgorithm
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClosedForm:
+    """Every branch of the exact solution, and the best of them; named "closed_form".
+
+    For full poses of arms with a closed form (see `Robot.closed_form`): six revolute
+    joints whose last three axes meet, or seven of which also the first three do (S-R-S).
+    No iteration, no random start: `seed` does not matter, and a target without a solution
+    within the limits is proven to have none.
+
+    Parameters
+    ----------
+    choose : {"nearest", "margin", "middle"}, default "nearest"
+        Which of the valid branches is the answer. "nearest": the least sum of squared
+        distances from `q0`, or from the middle of the limits where no `q0` is given.
+        "margin": the one whose worst joint is furthest from its limits, as a share of
+        half the joint's range. "middle": the least sum of squared distances from the
+        middle of the limits, as shares of half the range. Joints without limits do not
+        count in the last two.
+    arm_angle : float, optional
+        Arm angle of an S-R-S arm, rad (see `Robot.arm_angle`). Default: the best one by
+        `choose`, out of all that the limits allow.
+
+    Raises
+    ------
+    ArgumentError
+        A field is out of its range.
+    """
+
+    name: ClassVar[str] = "closed_form"
+    choose: Literal["nearest", "margin", "middle"] = "nearest"
+    arm_angle: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.choose not in ("nearest", "margin", "middle"):
+            raise ArgumentError(
+                "ClosedForm.choose", repr(self.choose), "'nearest', 'margin' or 'middle'"
+            )
+        if self.arm_angle is not None:
+            angle = real_number("ClosedForm.arm_angle", self.arm_angle, unit="rad")
+            object.__setattr__(self, "arm_angle", angle)
+
+
+Solver: TypeAlias = (
+    JacobianSolver | Feedback | Plain | DifferentialEvolution | GeneticAlgorithm | ClosedForm
+)
 """Any solver."""

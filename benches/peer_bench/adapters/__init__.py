@@ -3,6 +3,7 @@
 A module may define these functions; a missing one means 'the library has no such call':
 
 * ``pose(robot, urdf_path)`` and ``position(robot, urdf_path, tolerance_m)`` -> `Solver`
+* ``closed_form(robot, urdf_path)`` -> `Solver` with `every_solution`, or None
 * ``fk``, ``jacobian``, ``fk_batch``, ``jacobian_batch`` ``(robot, urdf_path)`` -> `Evaluation`
 * ``DISTRIBUTION``: the name on the package index, for the version in the report
 
@@ -32,14 +33,19 @@ class Solver:
 
     `solve(native_target, start)` returns joint values, or None when the library reports failure;
     with `every_solution` it returns an array of solutions, of which one inside the limits counts.
-    `batch(poses, threads)` returns joint values (n, dof) and the library's own success (n,).
+    `batch(poses, threads)` returns joint values (n, dof) and the library's own success (n,), by
+    way of `unpack`.
     """
 
     solve: Callable[[Any, Array], Any]
     settings: str
     prepare: Callable[[Array], Any] = unchanged
     every_solution: bool = False
-    batch: Callable[[Array, int], tuple[Array, Any]] | None = None
+    # What `batch` returns is made of the call's result by `unpack`, off the clock.
+    batch: Callable[[Array, int], Any] | None = None
+    unpack: Callable[[Any], tuple[Array, Any]] = unchanged
+    # How many solutions a pose has, limits aside.
+    count: Callable[[Any], int] | None = None
     # A call that starts at a solution, so that only the cost of calling remains.
     overhead: Callable[[Array, Array], Any] | None = None
 

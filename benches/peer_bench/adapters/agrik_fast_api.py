@@ -46,6 +46,28 @@ def pose(robot: BenchRobot, urdf_path: str) -> Solver:
     )
 
 
+def closed_form(robot: BenchRobot, urdf_path: str) -> Solver | None:
+    arm = agrik_fast.Robot.load(robot.bundled)
+    if arm.closed_form is None:
+        return None
+
+    def batch(poses: Array, threads: int) -> Any:
+        return arm.ik_all(poses, threads=threads)
+
+    def unpack(found: Any) -> tuple[Array, Any]:
+        first = found.valid.argmax(axis=1)
+        return found.q[np.arange(len(first)), first], found.status == agrik_fast.Status.CONVERGED
+
+    return Solver(
+        lambda target, start: arm.ik_all(target).q,
+        f"arm.ik_all(T), {arm.closed_form}, all defaults",
+        every_solution=True,
+        batch=batch,
+        unpack=unpack,
+        count=lambda target: int(arm.ik_all(target).reached.sum()),
+    )
+
+
 def batch_arrays(robot: BenchRobot, poses: Array) -> list[Array]:
     """Solve a batch and return every array of its result."""
     result = agrik_fast.Robot.load(robot.bundled).ik(poses)

@@ -30,4 +30,14 @@ def pose(robot: BenchRobot, urdf_path: str) -> Solver | None:
     def solve(target: Array, start: Array) -> Any:
         return np.asarray(arm.IK(target).Q)
 
-    return Solver(solve, "closed form, every solution", prepare=prepare, every_solution=True)
+    def count(target: Array) -> int:
+        # Least-squares answers stand in for solutions that do not exist.
+        return int((~np.asarray(arm.IK(target).is_LS, bool)).sum())
+
+    return Solver(
+        solve, "closed form, every solution", prepare=prepare, every_solution=True, count=count
+    )
+
+
+def closed_form(robot: BenchRobot, urdf_path: str) -> Solver | None:
+    return pose(robot, urdf_path)

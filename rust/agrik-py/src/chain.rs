@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use agrik::chain;
+use agrik::closed_form::ClosedForm;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat};
 
+use crate::branches::Branches;
 use crate::build::{self, DhTable, Frame};
 use crate::control::TargetSolver;
 use crate::convert::{array, transform};
@@ -313,5 +315,61 @@ impl Chain {
         };
         let costs = ik::cost_history(py, &self.0, &given)?;
         array(py, &[costs.len()], costs)
+    }
+
+    /// All branches of a batch of poses; see `agrik_fast.Robot.ik_all`.
+    #[pyo3(signature = (
+        targets, q0=None, tool=None, threads=None, arm_angle=None, position_tolerance=None,
+        orientation_tolerance=None
+    ))]
+    #[allow(clippy::too_many_arguments)]
+    fn ik_all(
+        &self,
+        py: Python<'_>,
+        targets: &Bound<'_, PyAny>,
+        q0: Option<&Bound<'_, PyAny>>,
+        tool: Option<&Bound<'_, PyAny>>,
+        threads: Option<&Bound<'_, PyAny>>,
+        arm_angle: Option<&Bound<'_, PyAny>>,
+        position_tolerance: Option<&Bound<'_, PyAny>>,
+        orientation_tolerance: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Branches> {
+        let given = Arguments {
+            targets,
+            task: None,
+            solver: None,
+            q0,
+            seed: None,
+            tool,
+            threads,
+            position_tolerance,
+            orientation_tolerance,
+            first_index: None,
+        };
+        ik::solve_all(py, &self.0, &given, arm_angle)
+    }
+
+    /// Arm angles, shape (...), rad, of joint values, shape (..., dof), of an S-R-S arm.
+    fn arm_angle<'py>(&self, q: &Bound<'py, PyAny>) -> Array<'py> {
+        kinematics::arm_angle(&self.0, q)
+    }
+
+    /// Arm angles that the limits allow for one pose: for each branch (lower, upper), rad.
+    #[pyo3(signature = (target, tool=None))]
+    fn arm_angle_intervals(
+        &self,
+        target: &Bound<'_, PyAny>,
+        tool: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Vec<Vec<(f64, f64)>>> {
+        kinematics::arm_angle_intervals(&self.0, target, tool)
+    }
+
+    /// Family of the chain's closed form, or why it has none: (name, reason).
+    #[getter]
+    fn closed_form(&self) -> (Option<&'static str>, Option<&str>) {
+        match ClosedForm::of(&self.0) {
+            Ok(form) => (Some(form.name()), None),
+            Err(why) => (None, Some(why)),
+        }
     }
 }

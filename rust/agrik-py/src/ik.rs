@@ -8,13 +8,15 @@ use std::time::{Duration, Instant};
 
 use agrik::batch;
 use agrik::chain::{Chain, Tail};
+use agrik::closed_form::{self, ArmAngle, BRANCHES, Choice, ClosedForm, Query};
 use agrik::lanes::Level;
 use agrik::solve::population::Evolution;
 use agrik::solve::{Answers, Plan, Settings, Solve, Starts, Tolerance};
-use numpy::PyUntypedArrayMethods;
+use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
+use crate::branches::Branches;
 use crate::convert::{self, Floats, numbers, shape_text, transform};
 use crate::result::IkResult;
 use crate::solver::{self, Chosen};
@@ -27,6 +29,9 @@ const DETACHED_PERIOD: Duration = Duration::from_millis(50);
 /// The same for a call that holds the interpreter, which others may be waiting for: as
 /// long as Python itself lets a thread run.
 const ATTACHED_PERIOD: Duration = Duration::from_millis(5);
+
+/// Targets from which on all branches are written to an array of NumPy's.
+const MANY: usize = 1024;
 
 /// Arguments of a call as Python gave them.
 pub struct Arguments<'a, 'py> {
@@ -161,7 +166,7 @@ impl<'py> Call<'py> {
         let options = &self.options;
         let settings = match &options.solver {
             Chosen::Step(settings) => settings.clone(),
-            Chosen::Population(_) => Settings::LEVENBERG_MARQUARDT,
+            _ => Settings::LEVENBERG_MARQUARDT,
         };
         let direction = options.wanted.direction;
         let are_poses = self.targets.are_poses();
@@ -188,21 +193,106 @@ pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResu
     let leading = call.targets.leading_shape().to_vec();
     let threads = call.options.threads;
     let mut signals = Signals::new();
-    let answers = match &call.options.solver {
-        Chosen::Step(_) if plan.len() <= 1 => {
-            batch::solve(&plan, 1, &mut || signals.go_on_attached(py))
+    let closed = match &call.options.solver {
+        Chosen::ClosedForm { choice, arm_angle } => {
+            Some((arm_angle.map_or(ArmAngle::Free, ArmAngle::One), *choice))
         }
-        Chosen::Step(_) => detached(py, &plan, threads, &mut signals),
-        Chosen::Population(settings) => {
-            let evolution =
-                Evolution::new(plan, *settings).map_err(|error| errors::from_core(py, error))?;
+        Chosen::Auto if plan.task().fixes_pose() && ClosedForm::of(chain).is_ok() => {
+            Some((ArmAngle::Free, Choice::default()))
+        }
+        _ => None,
+    };
+    let query = match closed {
+        None => None,
+        Some((angle, choice)) => {
+            let query = Query::new(&plan, angle, choice);
+            Some(query.map_err(|error| errors::from_core(py, error))?)
+        }
+    };
+    let answers = match (&call.options.solver, &query) {
+        (_, Some(query)) if plan.len() <= 1 => {
+            batch::solve(query, 1, &mut || signals.go_on_attached(py))
+        }
+        (_, Some(query)) => detached(py, query, threads, &mut signals),
+        (Chosen::Population(settings), _) => {
+            let evolution = Evolution::new(plan.clone(), *settings)
+                .map_err(|error| errors::from_core(py, error))?;
             detached(py, &evolution, threads, &mut signals)
         }
+        _ if plan.len() <= 1 => batch::solve(&plan, 1, &mut || signals.go_on_attached(py)),
+        _ => detached(py, &plan, threads, &mut signals),
     };
     match answers {
         Ok(answers) => Ok(IkResult::new(leading, chain.dof(), answers)),
         Err(error) => Err(signals.raised.unwrap_or_else(|| errors::from_core(py, error))),
     }
+}
+
+/// All branches of the targets of a call.
+pub fn solve_all<'py>(
+    py: Python<'py>,
+    chain: &Chain,
+    given: &Arguments<'_, 'py>,
+    arm_angle: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Branches> {
+    let call = Call::new(py, chain, given)?;
+    let leading = call.targets.leading_shape();
+    if !call.targets.are_poses() {
+        let expected = "shape (..., 4, 4): closed forms take poses";
+        let received = format!("shape {}", shape_text(&[leading, &[3]].concat()));
+        return Err(errors::argument(py, "targets", &received, expected));
+    }
+    let angles = match arm_angle {
+        None => None,
+        Some(angle) => Some(spread("arm_angle", angle, leading)?),
+    };
+    let angle = match &angles {
+        None => ArmAngle::Free,
+        Some(angles) => ArmAngle::Each(angles.values()?),
+    };
+    let mut points = Vec::new();
+    let plan = call.plan(py, chain, &mut points)?;
+    let query =
+        Query::new(&plan, angle, Choice::default()).map_err(|e| errors::from_core(py, e))?;
+    let threads = call.options.threads;
+    let mut signals = Signals::new();
+    let all = if plan.len() <= 1 {
+        closed_form::all(&query, 1, &mut || signals.go_on_attached(py)).map(|all| (all, None))
+    } else if plan.len() < MANY {
+        py.detach(|| closed_form::all(&query, threads, &mut || signals.go_on_detached()))
+            .map(|all| (all, None))
+    } else {
+        // NumPy asks for large pages, which makes filling fresh memory several times cheaper.
+        let shape = [leading, &[BRANCHES, chain.dof()]].concat();
+        let array = PyArrayDyn::<f64>::zeros(py, shape, false);
+        let mut open = array.try_readwrite().map_err(convert::internal)?;
+        let q = open.as_slice_mut().map_err(convert::internal)?;
+        let all = py
+            .detach(|| closed_form::all_into(&query, q, threads, &mut || signals.go_on_detached()));
+        drop(open);
+        all.map(|all| (all, Some(array.unbind())))
+    };
+    match all {
+        Ok((all, q)) => Ok(Branches::new(leading.to_vec(), chain.dof(), all, q)),
+        Err(error) => Err(signals.raised.unwrap_or_else(|| errors::from_core(py, error))),
+    }
+}
+
+/// Numbers of an argument that broadcasts to the targets' leading shape.
+fn spread<'py>(
+    argument: &str,
+    value: &Bound<'py, PyAny>,
+    leading: &[usize],
+) -> PyResult<Floats<'py>> {
+    static BROADCAST_TO: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let py = value.py();
+    let array = numbers(argument, value)?;
+    let broadcast_to = BROADCAST_TO.import(py, "numpy", "broadcast_to")?;
+    let full = broadcast_to.call1((&array, leading.to_vec())).map_err(|_| {
+        let expected = format!("{}, or one that broadcasts to it", shape_text(leading));
+        convert::wrong_shape(py, argument, array.shape(), &expected)
+    })?;
+    Floats::new(argument, &full)
 }
 
 fn detached(

@@ -1,11 +1,13 @@
 //! Forward kinematics and Jacobians of arrays of joint values.
 
 use agrik::chain::Chain;
+use agrik::closed_form::{ClosedForm, arm_angle};
 use agrik::kinematics::{tool_jacobians, tool_poses};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
-use crate::convert::{Floats, array, numbers, wrong_shape};
+use crate::convert::{Floats, array, numbers, transform, wrong_shape};
+use crate::errors;
 
 /// Rows from which on the interpreter is released.
 const MANY: usize = 256;
@@ -105,4 +107,41 @@ pub fn jacobian<'py>(
     q: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     for_each_row(q, chain, &[6, chain.dof()], |q, out| tool_jacobians(chain, q, out))
+}
+
+/// Arm angles of joint values of an S-R-S arm, rad.
+pub fn arm_angle<'py>(
+    chain: &Chain,
+    q: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let refuse = |why: &str| errors::argument(q.py(), "robot", why, "an S-R-S arm");
+    match ClosedForm::of(chain) {
+        Ok(ClosedForm::Srs(arm)) => for_each_row(q, chain, &[], |q, out| {
+            for (q, out) in q.chunks_exact(chain.dof()).zip(out) {
+                *out = arm.arm_angle(q);
+            }
+        }),
+        Ok(_) => Err(refuse("an arm that is not redundant")),
+        Err(why) => Err(refuse(why)),
+    }
+}
+
+/// Arm angles that the limits allow for one pose, for each branch, rad.
+pub fn arm_angle_intervals(
+    chain: &Chain,
+    target: &Bound<'_, PyAny>,
+    tool: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<Vec<(f64, f64)>>> {
+    let py = target.py();
+    let pose = transform("target", target)?.to_homogeneous();
+    let mut rows = [0.0; 16];
+    for (i, x) in rows.iter_mut().enumerate() {
+        *x = pose[(i / 4, i % 4)];
+    }
+    let tail = match tool {
+        None => None,
+        Some(tool) => Some(chain.compiled().tail_with(&transform("tool", tool)?)),
+    };
+    let all = arm_angle::intervals(chain, &rows, tail).map_err(|e| errors::from_core(py, e))?;
+    Ok(all.into_iter().map(|one| one.iter().map(|i| (i.lower, i.upper)).collect()).collect())
 }

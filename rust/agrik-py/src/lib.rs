@@ -1,6 +1,7 @@
 //! Python bindings of `agrik`, the module `agrik_fast._native`: converts and checks
 //! arguments, releases the interpreter around compute, turns errors into exceptions.
 
+mod branches;
 mod build;
 mod chain;
 mod control;
@@ -27,6 +28,8 @@ use pyo3::prelude::*;
 mod _native {
     use super::*;
 
+    #[pymodule_export]
+    use branches::Branches;
     #[pymodule_export]
     use chain::Chain;
     #[pymodule_export]

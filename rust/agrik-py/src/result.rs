@@ -10,17 +10,29 @@ use pyo3::sync::PyOnceLock;
 use crate::convert::array;
 
 /// Numbers that become an array, once, by handing over their memory.
-struct Column<T> {
+pub(crate) struct Column<T> {
     values: Mutex<Vec<T>>,
     array: PyOnceLock<Py<PyArrayDyn<T>>>,
 }
 
 impl<T: Element + Copy> Column<T> {
-    fn new(values: Vec<T>) -> Self {
+    pub(crate) fn new(values: Vec<T>) -> Self {
         Self { values: Mutex::new(values), array: PyOnceLock::new() }
     }
 
-    fn get<'py>(&self, py: Python<'py>, shape: &[usize]) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+    /// An array that is filled already.
+    pub(crate) fn made(array: Py<PyArrayDyn<T>>) -> Self {
+        let once = PyOnceLock::new();
+        // A new cell is empty: this cannot fail.
+        let _ = Python::attach(|py| once.set(py, array));
+        Self { values: Mutex::new(Vec::new()), array: once }
+    }
+
+    pub(crate) fn get<'py>(
+        &self,
+        py: Python<'py>,
+        shape: &[usize],
+    ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
         let made = self.array.get_or_try_init(py, || {
             // The lock is let go before Python runs.
             let mut locked = self.values.lock().unwrap_or_else(PoisonError::into_inner);

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use agrik::closed_form::Choice;
 use agrik::solve::{Pid, PidOrder, Settings, StartRule, StateSpace, Step, population as search};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -26,16 +27,29 @@ const STARTS: [(&str, StartRule); 3] =
 const ORDERS: [(&str, PidOrder); 2] =
     [("tip-first", PidOrder::TipFirst), ("base-first", PidOrder::BaseFirst)];
 
+const CLOSED_FORM: &str = "closed_form";
+const AUTO: &str = "auto";
+const CHOICES: [(&str, Choice); 3] =
+    [("nearest", Choice::Nearest), ("margin", Choice::Margin), ("middle", Choice::Middle)];
+
 /// The solver of a call.
 #[derive(Debug, Clone)]
 pub enum Chosen {
     Step(Settings),
     Population(search::Settings),
+    /// The best of all branches, at an arm angle (`None`: at the best one).
+    ClosedForm {
+        choice: Choice,
+        arm_angle: Option<f64>,
+    },
+    /// A closed form where there is one, else the default step solver.
+    Auto,
 }
 
 fn names() -> Vec<&'static str> {
     let steps = KNOWN.iter().map(|(name, _)| *name);
-    steps.chain(population::KNOWN.iter().map(|(name, _)| *name)).collect()
+    let searches = population::KNOWN.iter().map(|(name, _)| *name);
+    steps.chain(searches).chain([CLOSED_FORM, AUTO]).collect()
 }
 
 fn named(py: Python<'_>, name: &str) -> PyResult<Settings> {
@@ -57,8 +71,25 @@ pub fn chosen(solver: Option<&Bound<'_, PyAny>>, robot: &str) -> PyResult<Chosen
                 if is_name { *defaults } else { population::settings(solver, *defaults)? };
             return Ok(Chosen::Population(settings));
         }
+        if name == CLOSED_FORM {
+            return closed_form((!is_name).then_some(solver));
+        }
+        if name == AUTO && is_name {
+            return Ok(Chosen::Auto);
+        }
     }
     Ok(Chosen::Step(settings(solver, robot)?))
+}
+
+/// The closed form with the fields of a solver object, or with the defaults.
+fn closed_form(solver: Option<&Bound<'_, PyAny>>) -> PyResult<Chosen> {
+    let Some(solver) = solver else {
+        return Ok(Chosen::ClosedForm { choice: Choice::default(), arm_angle: None });
+    };
+    let choice = word("choose", &solver.getattr("choose")?, &CHOICES)?;
+    let angle = solver.getattr("arm_angle")?;
+    let arm_angle = if angle.is_none() { None } else { Some(real("arm_angle", &angle)?) };
+    Ok(Chosen::ClosedForm { choice, arm_angle })
 }
 
 /// One of a few words.

@@ -60,6 +60,50 @@ pub fn solve_into(
     if finished { Ok(()) } else { Err(Error::Interrupted) }
 }
 
+/// Hands runs of rows to `work` on `threads` threads (0: the number in force); false
+/// where `poll`, asked now and then on the calling thread, said to stop.
+pub(crate) fn share<T: Send>(
+    mut runs: Vec<T>,
+    threads: usize,
+    work: &(dyn Fn(T) + Sync),
+    poll: &mut dyn FnMut() -> bool,
+) -> bool {
+    let threads = if threads == 0 { num_threads() } else { threads };
+    let threads = threads.min(runs.len());
+    runs.reverse();
+    if threads <= 1 {
+        while let Some(run) = runs.pop() {
+            work(run);
+            if !runs.is_empty() && !poll() {
+                return false;
+            }
+        }
+        return true;
+    }
+    let stop = AtomicBool::new(false);
+    let queue = Mutex::new(runs);
+    let next = || lock(&queue).pop();
+    pool::scope(threads, |scope| {
+        for _ in 1..threads {
+            scope.spawn(|_| {
+                while !stop.load(Ordering::Relaxed)
+                    && let Some(run) = next()
+                {
+                    work(run);
+                }
+            });
+        }
+        while let Some(run) = next() {
+            work(run);
+            if !poll() {
+                stop.store(true, Ordering::Relaxed);
+                break;
+            }
+        }
+    });
+    !stop.into_inner()
+}
+
 fn in_parallel<'a>(
     level: Level,
     call: &impl Solve,

@@ -17,6 +17,7 @@ pub use joint::{Joint, JointKind, Mimic};
 pub use postures::Postures;
 pub use reach::Reach;
 
+use crate::closed_form::ClosedForm;
 use crate::error::{Error, Result};
 
 /// One independent joint value: an entry of `q`.
@@ -44,6 +45,7 @@ pub struct Chain {
     reach: Reach,
     last_joint_reach: Option<Reach>,
     postures: OnceLock<Postures>,
+    closed_form: OnceLock<std::result::Result<ClosedForm, String>>,
 }
 
 impl Chain {
@@ -79,6 +81,7 @@ impl Chain {
             reach,
             last_joint_reach,
             postures: OnceLock::new(),
+            closed_form: OnceLock::new(),
         })
     }
 
@@ -150,6 +153,15 @@ impl Chain {
     /// The table of sampled postures, made by `build` when it is first asked for.
     pub fn postures(&self, build: impl FnOnce(&Self) -> Postures) -> &Postures {
         self.postures.get_or_init(|| build(self))
+    }
+
+    /// The chain's closed form, or why it has none, found by `recognise` when it is first
+    /// asked for.
+    pub fn closed_form(
+        &self,
+        recognise: impl FnOnce(&Self) -> std::result::Result<ClosedForm, String>,
+    ) -> &std::result::Result<ClosedForm, String> {
+        self.closed_form.get_or_init(|| recognise(self))
     }
 
     /// True where all of `q` lies inside the limits, end points included.

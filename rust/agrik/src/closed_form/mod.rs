@@ -1,4 +1,101 @@
-//! Closed forms: arms whose geometry gives the joint values without iteration.
+//! Closed forms: arms whose geometry gives every branch of the inverse kinematics without
+//! iteration.
+//!
+//! [`ClosedForm::of`] recognises the family of a chain once; [`query`] holds the calls:
+//! all branches of each target, or the best branch by a stated criterion (a call of
+//! [`crate::batch::solve`]). A family solves
+//! whole lane groups through [`ClosedForm::solve`]; limits, the check by forward
+//! kinematics and the choice are common to all (see [`settle`]). The papers' own arms,
+//! [`strawberry`] and [`tomato`], have closed forms of their own.
 
+pub mod arm_angle;
+mod branches;
+mod candidates;
+mod choose;
+mod geometry;
+mod quartic;
+pub mod query;
+mod settle;
+mod shoulder;
+mod spherical_wrist;
+mod srs;
 pub mod strawberry;
 pub mod tomato;
+mod turn;
+
+pub use branches::{Branches, BranchesMut};
+pub use candidates::{BRANCHES, Candidate, ELBOW, JOINTS, SHOULDER, WRIST};
+pub use choose::Choice;
+pub use geometry::{Geometry, Link, TOLERANCE};
+pub use query::{ArmAngle, Query, all, all_into};
+pub use shoulder::Kind;
+pub use spherical_wrist::SphericalWrist;
+pub use srs::Srs;
+pub use turn::Turn;
+
+use crate::chain::Chain;
+use crate::lanes::Real;
+use crate::task::Goal;
+
+/// A chain's family with its numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ClosedForm {
+    /// Six revolute joints, the last three axes meet.
+    SphericalWrist(SphericalWrist),
+    /// Seven revolute joints, the first three and the last three axes meet.
+    Srs(Srs),
+}
+
+impl ClosedForm {
+    /// The family of a chain, or why it has none; found once for each chain.
+    pub fn of(chain: &Chain) -> Result<&Self, &str> {
+        chain.closed_form(Self::recognise).as_ref().map_err(String::as_str)
+    }
+
+    fn recognise(chain: &Chain) -> Result<Self, String> {
+        let reason = |why: String| format!("'{}' has no closed form: {why}", chain.name());
+        match chain.dof() {
+            6 => {
+                let geometry = Geometry::new(chain).map_err(reason)?;
+                SphericalWrist::new(geometry).map(Self::SphericalWrist).map_err(reason)
+            }
+            7 => {
+                let geometry = Geometry::new(chain).map_err(reason)?;
+                Srs::new(geometry).map(Self::Srs).map_err(reason)
+            }
+            n => Err(reason(format!("{n} joint variables, and the families known have 6 or 7"))),
+        }
+    }
+
+    /// Short name of the family.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::SphericalWrist(_) => "spherical wrist",
+            Self::Srs(_) => "S-R-S",
+        }
+    }
+
+    /// The axes.
+    pub fn geometry(&self) -> &Geometry {
+        match self {
+            Self::SphericalWrist(arm) => arm.geometry(),
+            Self::Srs(arm) => arm.geometry(),
+        }
+    }
+
+    /// All branches of a lane group; see the families.
+    #[inline(always)]
+    pub fn solve<R: Real>(
+        &self,
+        goal: &Goal<R>,
+        tool: [f64; 3],
+        angle: Turn<R>,
+        preferred: &[Turn<R>],
+        out: &mut [Candidate<R>; BRANCHES],
+    ) {
+        match self {
+            Self::SphericalWrist(arm) => arm.solve(goal, tool, preferred, out),
+            Self::Srs(arm) => arm.solve(goal, tool, angle, preferred, out),
+        }
+    }
+}

@@ -74,6 +74,7 @@ impl<const N: usize> MulAssign for Pack<N> {
 impl<const N: usize> Real for Pack<N> {
     const WIDTH: usize = N;
     type Mask = [bool; N];
+    type Single = Pack<1>;
 
     #[inline(always)]
     fn splat(value: f64) -> Self {

@@ -15,7 +15,7 @@ mod x86;
 pub use array::Pack;
 pub use dispatch::{Kernel, Level, VARIABLE, dispatch, dispatch_single};
 pub use trig::sin_cos_by_quadrant;
-pub(crate) use trig::{angle_of, angle_over_sine};
+pub(crate) use trig::{angle_of, angle_over_sine, atan2};
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -38,6 +38,8 @@ pub trait Real:
     const WIDTH: usize;
     /// One truth value per lane.
     type Mask: Copy;
+    /// One number with the roundings of this type.
+    type Single: Real;
 
     /// The same number in every lane.
     fn splat(value: f64) -> Self;

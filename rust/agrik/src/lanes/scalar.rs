@@ -52,6 +52,7 @@ macro_rules! one_lane {
         impl Real for $type {
             const WIDTH: usize = 1;
             type Mask = bool;
+            type Single = Self;
 
             #[inline(always)]
             fn splat(value: f64) -> Self {

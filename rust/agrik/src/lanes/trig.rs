@@ -126,6 +126,41 @@ pub(crate) fn angle_over_sine<R: Real>(c: R) -> R {
     horner(u2, ODD).mul_add(u, horner(u2, EVEN))
 }
 
+/// Angle of the direction `(x, y)` in [-pi, pi], at most 3 units in the last place off;
+/// 0 where both are zero.
+#[inline(always)]
+pub(crate) fn atan2<R: Real>(y: R, x: R) -> R {
+    // fdlibm's polynomial for |t| <= 7/16.
+    const ATAN: [f64; 11] = [
+        1.628_582_011_536_578_2e-2,
+        -3.653_157_274_421_691_6e-2,
+        4.976_877_994_615_932_4e-2,
+        -5.833_570_133_790_573_5e-2,
+        6.661_073_137_387_531e-2,
+        -7.691_876_205_044_83e-2,
+        9.090_887_133_436_507e-2,
+        -1.111_111_040_546_235_6e-1,
+        1.428_571_427_250_346_6e-1,
+        -1.999_999_999_987_648_3e-1,
+        3.333_333_333_333_293e-1,
+    ];
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+    let (ay, ax) = (y.abs(), x.abs());
+    let steep = ax.lt(ay);
+    // `max` keeps the quotient finite at the origin.
+    let large = R::select(steep, ay, ax).max(R::splat(f64::MIN_POSITIVE));
+    let small = R::select(steep, ax, ay);
+    // Above tan(pi / 8) take atan(t) = pi / 4 + atan((t - 1) / (t + 1)).
+    let upper = (large * R::splat(std::f64::consts::SQRT_2 - 1.0)).lt(small);
+    let t = R::select(upper, small - large, small) / R::select(upper, small + large, large);
+    let base = R::select(upper, R::splat(FRAC_PI_4), R::zero());
+    let z = t * t;
+    let angle = base + (t - t * (z * horner(z, ATAN)));
+    let angle = R::select(steep, R::splat(FRAC_PI_2) - angle, angle);
+    let angle = R::select(x.lt(R::zero()), R::splat(PI) - angle, angle);
+    R::select(y.lt(R::zero()), -angle, angle)
+}
+
 /// The angle of the direction (c, s), of any length but zero, in [-pi, pi].
 #[inline(always)]
 pub(crate) fn angle_of<R: Real>(s: R, c: R) -> R {
@@ -141,6 +176,21 @@ pub(crate) fn angle_of<R: Real>(s: R, c: R) -> R {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn atan2_within_four_ulps() {
+        let mut worst: f64 = 0.0;
+        for i in 0..200_000 {
+            let angle = -3.141_592 + f64::from(i) * 3.141_59e-5;
+            let radius = 10_f64.powf(f64::from(i % 25) - 12.0);
+            let (y, x) = (radius * angle.sin(), radius * angle.cos());
+            worst = worst.max(ulps(atan2(y, x), y.atan2(x), 0.0));
+        }
+        assert!(worst <= 4.0, "worst {worst} ulp");
+        assert_eq!(atan2(0.0, 0.0), 0.0);
+        assert_eq!(atan2(0.0, -1.0), std::f64::consts::PI);
+        assert_eq!(atan2(-2.0, 0.0), -std::f64::consts::FRAC_PI_2);
+    }
 
     /// Distance in units in the last place of the true value.
     fn ulps(got: f64, exact_high: f64, exact_low: f64) -> f64 {

@@ -11,6 +11,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
+use super::scalar::Fused;
 use super::{Real, trig};
 
 macro_rules! operators {
@@ -136,6 +137,7 @@ operators!(F64x4, negate4, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_d
 
 impl Real for F64x4 {
     type Mask = __m256d;
+    type Single = Fused;
     shared_methods!(
         4,
         _mm256_set1_pd,
@@ -226,6 +228,7 @@ operators!(F64x8, negate8, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_d
 
 impl Real for F64x8 {
     type Mask = __mmask8;
+    type Single = Fused;
     shared_methods!(
         8,
         _mm512_set1_pd,

@@ -12,6 +12,7 @@ mod step;
 
 pub use engine::run;
 pub use follow::{Follow, Path};
+pub(crate) use plan::Outcome;
 pub use plan::{Answers, AnswersMut, Goals, Plan, Starts, Status, Tolerance};
 pub use rows::Solve;
 pub use step::{

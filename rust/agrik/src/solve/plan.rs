@@ -219,6 +219,22 @@ impl<'a> Plan<'a> {
     pub fn chain(&self) -> &'a Chain {
         self.chain
     }
+    /// What counts as reached.
+    pub fn task(&self) -> Task {
+        self.task
+    }
+    /// How near is near enough.
+    pub fn tolerance(&self) -> Tolerance {
+        self.tolerance
+    }
+    /// Where the first attempt of each target starts.
+    pub fn starts(&self) -> Starts<'a> {
+        self.starts
+    }
+    /// The tool in the last joint's frame.
+    pub fn tail(&self) -> &Tail {
+        &self.tail
+    }
 
     /// The same call with other targets, starts and step settings: a solver's own subtask.
     pub(super) fn with<'b>(
@@ -277,7 +293,7 @@ impl<'a> Plan<'a> {
     }
 
     /// The goal of target `row`, or `None` where it or its start is not finite.
-    pub(super) fn goal(&self, row: usize) -> Option<Goal<f64>> {
+    pub(crate) fn goal(&self, row: usize) -> Option<Goal<f64>> {
         if let Some(q) = self.starts.row(row, self.chain.dof())
             && !q.iter().all(|x| x.is_finite())
         {
@@ -431,7 +447,7 @@ pub struct AnswersMut<'a> {
 
 /// One finished target.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Outcome {
+pub(crate) struct Outcome {
     pub status: Status,
     pub position_error: f64,
     pub orientation_error: f64,
@@ -480,7 +496,7 @@ impl<'a> AnswersMut<'a> {
     }
 
     /// Writes row `i` of this run and returns its joint values to be filled.
-    pub(super) fn finish(&mut self, i: usize, outcome: Outcome) -> &mut [f64] {
+    pub(crate) fn finish(&mut self, i: usize, outcome: Outcome) -> &mut [f64] {
         self.status[i] = outcome.status as u8;
         self.position_error[i] = outcome.position_error;
         self.orientation_error[i] = outcome.orientation_error;

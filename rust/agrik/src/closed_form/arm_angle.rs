@@ -1,0 +1,331 @@
+//! Arm angles of S-R-S arms: which of them the joint limits allow, and the best of them.
+//!
+//! The third link's orientation at the arm angle `psi` is `C + A cos(psi) + B sin(psi)`
+//! with constant matrices, and so is what is left to the wrist. A joint of three whose
+//! axes meet stands at a given value where one product of an axis with such a matrix has
+//! a given size: an equation `k0 + k1 cos(psi) + k2 sin(psi) = 0` with at most two roots.
+//! Between neighbouring roots of all limits of all joints nothing crosses a limit, so one
+//! look at the middle of each piece settles it. The fourth joint does not depend on `psi`.
+
+use std::f64::consts::{PI, TAU};
+
+use super::candidates::Lanes;
+use super::choose::Choice;
+use super::settle::{Group, Limit, SLACK};
+use super::srs::{Elbow, Reached, Srs};
+use super::turn::{Meeting, advance, components};
+use super::{BRANCHES, ClosedForm, JOINTS};
+use crate::chain::{Chain, Tail};
+use crate::error::{Error, Result};
+use crate::lanes::{Real, V3, atan2};
+use crate::solve::Tolerance;
+use crate::task::pose_goal;
+
+/// Arm angles of the first look at each target.
+const SAMPLES: usize = 8;
+/// Closer looks, each of which narrows the place of the best.
+const LOOKS: usize = 3;
+/// Roots that neighbour one another by less are one, rad.
+const SAME: f64 = 1e-12;
+
+/// A closed interval of arm angles, rad, `lower` in [-pi, pi), at most a turn long.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interval {
+    /// First arm angle.
+    pub lower: f64,
+    /// Last arm angle; above pi where the interval goes through half a turn.
+    pub upper: f64,
+}
+
+/// A matrix (columns) for each of the constant, cosine and sine parts.
+type Parts = [[V3<f64>; 3]; 3];
+
+/// Puts the best arm angle of each lane of `used` into the group; returns the lanes for
+/// which it is proven that no arm angle brings a branch inside the limits.
+#[inline(always)]
+pub(super) fn search<R: Real>(
+    arm: &Srs,
+    group: &mut Group<'_, R>,
+    choice: Choice,
+    used: Lanes,
+) -> Lanes {
+    let at = arm.reach(&group.goal, group.tool(), group.preferred());
+    let step = TAU / SAMPLES as f64;
+    let mut cost = R::splat(f64::INFINITY);
+    let mut psi = R::zero();
+    for k in 0..SAMPLES {
+        look(arm, &at, group, choice, R::splat(k as f64 * step - PI), &mut cost, &mut psi);
+    }
+    let mut width = step;
+    for _ in 0..LOOKS {
+        width *= 0.5;
+        let middle = psi;
+        look(arm, &at, group, choice, middle - R::splat(width), &mut cost, &mut psi);
+        look(arm, &at, group, choice, middle + R::splat(width), &mut cost, &mut psi);
+    }
+    let mut proven = 0;
+    let mut left = used & !R::bits(cost.lt(R::splat(f64::MAX)));
+    while left != 0 {
+        let lane = left.trailing_zeros() as usize;
+        left &= left - 1;
+        match best_interval(arm, group, choice, lane) {
+            Some(best) => psi.set_lane(lane, best),
+            None => proven |= 1 << lane,
+        }
+    }
+    group.angle = psi.sin_cos();
+    proven
+}
+
+/// Takes an arm angle for the best where it is better than the best so far.
+#[inline(always)]
+fn look<R: Real>(
+    arm: &Srs,
+    at: &Reached<R>,
+    group: &mut Group<'_, R>,
+    choice: Choice,
+    angle: R,
+    cost: &mut R,
+    psi: &mut R,
+) {
+    group.solve_at(arm, at, angle.sin_cos());
+    let mut inside = [0; BRANCHES];
+    for (b, lanes) in inside.iter_mut().enumerate() {
+        group.wrap(b);
+        *lanes = group.inside[b] & !group.candidates[b].merged;
+    }
+    let best = choice.pick(group, &inside);
+    let better = best.cost.lt(*cost);
+    *cost = R::select(better, best.cost, *cost);
+    *psi = R::select(better, angle, *psi);
+}
+
+/// The best middle of the allowed intervals of one lane.
+#[inline(never)]
+fn best_interval<R: Real>(
+    arm: &Srs,
+    group: &Group<'_, R>,
+    choice: Choice,
+    lane: usize,
+) -> Option<f64> {
+    let mut single = group.one_lane(lane);
+    let at = arm.reach(&single.goal, single.tool(), single.preferred());
+    let (mut cost, mut psi) = (f64::INFINITY, 0.0);
+    for branch in intervals_of(arm, &at, &single.limits) {
+        for interval in branch {
+            for share in [0.5, 0.1, 0.9] {
+                let angle = interval.lower + share * (interval.upper - interval.lower);
+                look(arm, &at, &mut single, choice, angle, &mut cost, &mut psi);
+            }
+        }
+    }
+    cost.is_finite().then_some(psi)
+}
+
+/// The arm angles that the limits allow, for each branch.
+pub(super) fn intervals_of(
+    arm: &Srs,
+    at: &Reached<f64>,
+    limits: &[Limit; JOINTS],
+) -> [Vec<Interval>; BRANCHES] {
+    let mut out: [Vec<Interval>; BRANCHES] = Default::default();
+    for (e, elbow) in at.elbows.iter().enumerate() {
+        if elbow.merged != 0 || !allows(&limits[3], arm.fourth(elbow)) {
+            continue;
+        }
+        let upper = third_link_parts(at, elbow);
+        let wrist = upper.map(|m| left_parts(arm, at, elbow, m));
+        let (one, two) = arm.meetings();
+        for i in 0..2 {
+            let first = pieces(one, &upper, i, &[0, 1, 2].map(|j| (limits[j], arm.offset(j))));
+            if first.is_empty() {
+                continue;
+            }
+            for j in 0..2 {
+                let last = pieces(two, &wrist, j, &[4, 5, 6].map(|j| (limits[j], arm.offset(j))));
+                out[4 * e + 2 * i + j] = common(&first, &last);
+            }
+        }
+    }
+    out
+}
+
+/// The third link's orientation as constant, cosine and sine parts.
+fn third_link_parts(at: &Reached<f64>, elbow: &Elbow<f64>) -> Parts {
+    let [to, zero, across] = at.line;
+    let [f0, f1, f2] = elbow.frame;
+    let outer = |a: V3<f64>, f: V3<f64>, b: V3<f64>, g: V3<f64>| {
+        [0, 1, 2].map(|k| [0, 1, 2].map(|i| a[i] * f[k] + b[i] * g[k]))
+    };
+    let none = [0.0; 3];
+    [
+        outer(to, f0, none, none),
+        outer(zero, f1, across, f2),
+        outer(across, f1, zero, f2.map(|x| -x)),
+    ]
+}
+
+/// What is left to the wrist where the third link stands as `third`, as columns.
+fn left_parts(
+    arm: &Srs,
+    at: &Reached<f64>,
+    elbow: &Elbow<f64>,
+    third: [V3<f64>; 3],
+) -> [V3<f64>; 3] {
+    let links = &arm.geometry().links;
+    let fourth = advance(third, (0.0, 1.0), &links[2]);
+    let fifth = advance(fourth, elbow.turn, &links[3]);
+    [
+        components(fifth, at.wanted[0]),
+        components(fifth, at.wanted[1]),
+        components(fifth, at.wanted[2]),
+    ]
+}
+
+/// The pieces of the turn in which three joints keep within their limits on one of their
+/// two branches; each limit comes with the offset of its joint.
+fn pieces(
+    meeting: &Meeting,
+    parts: &Parts,
+    branch: usize,
+    limits: &[(Limit, f64); 3],
+) -> Vec<Interval> {
+    let (s1, c1) = (meeting.one.sine, meeting.one.cosine);
+    let (s2, c2) = (meeting.two.sine, meeting.two.cosine);
+    let mut cuts = Vec::with_capacity(16);
+    for (j, (limit, offset)) in limits.iter().enumerate() {
+        if 2.0 * limit.half >= TAU {
+            continue;
+        }
+        for value in [limit.lower, limit.upper] {
+            let (s, c) = (value + offset).sin_cos();
+            // m[column][row]
+            let product = |m: &[V3<f64>; 3]| match j {
+                0 => -s1 * (c * m[2][1] - s * m[2][0]) + c1 * m[2][2],
+                1 => m[2][2],
+                _ => s2 * (s * m[0][2] + c * m[1][2]) + c2 * m[2][2],
+            };
+            let wanted = [c2, c1 * c2 - s1 * s2 * c, c1][j];
+            roots(product(&parts[0]) - wanted, product(&parts[1]), product(&parts[2]), &mut cuts);
+        }
+    }
+    // The branches trade places where first and third axis are in line.
+    for wanted in [c1 * c2 - s1 * s2, c1 * c2 + s1 * s2] {
+        let [k0, k1, k2] = [0, 1, 2].map(|p| parts[p][2][2]);
+        let size = k1.hypot(k2);
+        let off = (k0 - wanted).abs() - size;
+        if off.abs() < 1e-9 {
+            let top = k2.atan2(k1);
+            cuts.push(wrap(if k0 < wanted { top } else { top + PI }));
+        }
+    }
+    cuts.sort_by(f64::total_cmp);
+    cuts.dedup_by(|a, b| (*a - *b).abs() < SAME);
+    let inside = |psi: f64| {
+        let (s, c) = psi.sin_cos();
+        let column =
+            |k: usize| [0, 1, 2].map(|i| parts[0][k][i] + c * parts[1][k][i] + s * parts[2][k][i]);
+        let (triples, ..) = meeting.solve(column(0), column(2), (0.0, 1.0));
+        triples[branch]
+            .iter()
+            .zip(limits)
+            .all(|(turn, (limit, offset))| allows(limit, atan2(turn.0, turn.1) - offset))
+    };
+    let Some(&start) = cuts.first() else {
+        let whole = Interval { lower: -PI, upper: PI };
+        return if inside(0.3) { vec![whole] } else { Vec::new() };
+    };
+    let mut out: Vec<Interval> = Vec::new();
+    for (i, &lower) in cuts.iter().enumerate() {
+        let upper = cuts.get(i + 1).copied().unwrap_or(start + TAU);
+        if inside(0.5 * (lower + upper)) {
+            match out.last_mut() {
+                Some(before) if before.upper == lower => before.upper = upper,
+                _ => out.push(Interval { lower, upper }),
+            }
+        }
+    }
+    // The last piece goes over into the first.
+    if out.len() > 1
+        && let (Some(first), Some(last)) = (out.first().copied(), out.last_mut())
+        && first.lower + TAU == last.upper
+    {
+        last.upper = first.upper + TAU;
+        out.remove(0);
+    }
+    out
+}
+
+/// Roots of `k0 + k1 cos + k2 sin`.
+fn roots(k0: f64, k1: f64, k2: f64, out: &mut Vec<f64>) {
+    let size = k1.hypot(k2);
+    if k0.abs() < size {
+        let (top, half) = (k2.atan2(k1), (-k0 / size).acos());
+        out.push(wrap(top + half));
+        out.push(wrap(top - half));
+    }
+}
+
+fn wrap(angle: f64) -> f64 {
+    let x = angle - TAU * (angle / TAU).round();
+    if x >= PI { x - TAU } else { x }
+}
+
+/// Some whole number of turns brings the value inside the limits.
+fn allows(limit: &Limit, value: f64) -> bool {
+    if !limit.half.is_finite() {
+        return true;
+    }
+    let off = value - limit.middle;
+    (off - TAU * (off / TAU).round()).abs() <= limit.half + SLACK
+}
+
+/// What two sets of pieces have in common.
+fn common(a: &[Interval], b: &[Interval]) -> Vec<Interval> {
+    let mut out: Vec<Interval> = Vec::new();
+    for x in a {
+        for y in b {
+            for shift in [-TAU, 0.0, TAU] {
+                let lower = x.lower.max(y.lower + shift);
+                let upper = x.upper.min(y.upper + shift);
+                // Two whole turns have just one in common.
+                let seen = |o: &Interval| (o.lower - lower).rem_euclid(TAU) < SAME;
+                if lower < upper && !out.iter().any(seen) {
+                    out.push(Interval { lower, upper });
+                }
+            }
+        }
+    }
+    for interval in &mut out {
+        let turns = ((interval.lower + PI) / TAU).floor() * TAU;
+        interval.lower -= turns;
+        interval.upper -= turns;
+    }
+    out.sort_by(|x, y| x.lower.total_cmp(&y.lower));
+    out
+}
+
+/// The arm angles that the limits allow for a pose (4x4, row by row) of an S-R-S chain
+/// with its own tool, one list a branch in the order of [`super::all`].
+pub fn intervals(
+    chain: &Chain,
+    pose: &[f64; 16],
+    tail: Option<Tail>,
+) -> Result<Vec<Vec<Interval>>> {
+    let refuse = |why: &str| Error::argument("robot", "an S-R-S arm", why);
+    let form = ClosedForm::of(chain).map_err(refuse)?;
+    let ClosedForm::Srs(arm) = form else {
+        return Err(refuse("an arm that is not redundant"));
+    };
+    let tail = tail.unwrap_or(chain.compiled().tail);
+    let position = [pose[3], pose[7], pose[11]];
+    let rotation = [0, 1, 2].map(|j| [pose[j], pose[4 + j], pose[8 + j]]);
+    let mut group = Group::<f64>::new(chain, form, tail, Tolerance::default());
+    group.goal = pose_goal(position, rotation, &tail);
+    group.solve();
+    let at = arm.reach(&group.goal, group.tool(), group.preferred());
+    let found = intervals_of(arm, &at, &group.limits);
+    // A wrist too far away is so at every arm angle.
+    let reached = (0..BRANCHES).map(|b| group.reaches(b));
+    Ok(found.into_iter().zip(reached).map(|(all, ok)| if ok { all } else { Vec::new() }).collect())
+}

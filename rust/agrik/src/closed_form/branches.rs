@@ -1,0 +1,89 @@
+//! The record of all branches of the targets of a call.
+
+use super::candidates::BRANCHES;
+use crate::solve::Status;
+
+/// All branches of each target: [`BRANCHES`] rows of `dof` joint values a target.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Branches {
+    /// Joint values, rad; where a branch does not exist those that come nearest.
+    pub q: Vec<f64>,
+    /// Reached by forward kinematics, inside the limits, and not an earlier branch again.
+    pub valid: Vec<bool>,
+    /// The same without regard to the limits.
+    pub reached: Vec<bool>,
+    /// Singularities of each branch: sum of [`super::SHOULDER`], [`super::ELBOW`] and
+    /// [`super::WRIST`].
+    pub singular: Vec<u8>,
+    /// What became of each target.
+    pub status: Vec<u8>,
+}
+
+impl Branches {
+    /// Room for `rows` targets, but for their joint values.
+    pub(super) fn new(rows: usize) -> Self {
+        Self {
+            q: Vec::new(),
+            valid: vec![false; rows * BRANCHES],
+            reached: vec![false; rows * BRANCHES],
+            singular: vec![0; rows * BRANCHES],
+            status: vec![Status::NotFound as u8; rows],
+        }
+    }
+
+    /// All rows, writable, with the joint values in other memory than [`Self::q`].
+    pub(super) fn as_mut_with<'a>(&'a mut self, q: &'a mut [f64]) -> BranchesMut<'a> {
+        BranchesMut {
+            first: 0,
+            q,
+            valid: &mut self.valid,
+            reached: &mut self.reached,
+            singular: &mut self.singular,
+            status: &mut self.status,
+        }
+    }
+}
+
+/// A run of consecutive targets of [`Branches`], owned by one thread while it is filled.
+#[derive(Debug)]
+pub struct BranchesMut<'a> {
+    /// Row of the first target in the whole call.
+    pub first: usize,
+    pub(super) q: &'a mut [f64],
+    pub(super) valid: &'a mut [bool],
+    pub(super) reached: &'a mut [bool],
+    pub(super) singular: &'a mut [u8],
+    pub(super) status: &'a mut [u8],
+}
+
+impl<'a> BranchesMut<'a> {
+    /// How many targets.
+    pub fn len(&self) -> usize {
+        self.status.len()
+    }
+    /// No target at all.
+    pub fn is_empty(&self) -> bool {
+        self.status.is_empty()
+    }
+
+    /// The targets in runs of at most `size`.
+    pub fn split(self, size: usize) -> Vec<Self> {
+        let wide = (self.q.len() / self.status.len().max(1) * size).max(1);
+        self.q
+            .chunks_mut(wide)
+            .zip(self.valid.chunks_mut(BRANCHES * size))
+            .zip(self.reached.chunks_mut(BRANCHES * size))
+            .zip(self.singular.chunks_mut(BRANCHES * size))
+            .zip(self.status.chunks_mut(size))
+            .enumerate()
+            .map(|(i, ((((q, valid), reached), singular), status))| BranchesMut {
+                first: self.first + i * size,
+                q,
+                valid,
+                reached,
+                singular,
+                status,
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,320 @@
+//! Seven revolute joints of which the first three axes meet in a point, the shoulder, and
+//! the last three in another, the wrist: spherical - revolute - spherical.
+//!
+//! The distance from shoulder to wrist fixes the fourth joint, two ways. What is left free
+//! is a turn of the elbow about the line from shoulder to wrist: the arm angle. It is zero
+//! where the elbow leans towards the first axis, and grows by the right hand about the
+//! direction to the wrist. With it the orientations of upper arm and forearm are known,
+//! and each spherical joint has two ways to take them on.
+
+use super::candidates::{BRANCHES, Candidate, value};
+use super::geometry::Geometry;
+use super::spherical_wrist::wrist_center;
+use super::turn::{Meeting, Pair, Triple, Turn, advance, components, direction, identity, linear};
+use crate::lanes::{Real, V3, axpy, blend, cross, dot, scale, splat3, sub};
+use crate::task::Goal;
+
+/// A recognised arm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Srs {
+    geometry: Geometry,
+    shoulder: Meeting,
+    wrist: Meeting,
+    /// Distance of the wrist from the fourth axis, m.
+    radius: f64,
+    /// Direction of the wrist about the fourth axis at `t4 = 0`.
+    phase: f64,
+    /// Height of the wrist along the fourth axis, m.
+    height: f64,
+}
+
+/// The elbow of a lane group: one of the two ways to bend it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Elbow<R> {
+    /// Turn of the fourth joint.
+    pub turn: Turn<R>,
+    /// Frame of the third link's directions: to the wrist, to the elbow at right angles to
+    /// it, and the product of both; seen from the third joint.
+    pub frame: [V3<R>; 3],
+    pub merged: u32,
+    pub singular: u32,
+}
+
+/// What does not depend on the arm angle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reached<R> {
+    pub elbows: [Elbow<R>; 2],
+    /// Directions seen from the base: to the wrist, that of the elbow at arm angle zero,
+    /// and the product of both.
+    pub line: [V3<R>; 3],
+    /// The wanted axes of the last joint's frame, seen from the base.
+    pub wanted: [V3<R>; 3],
+}
+
+impl Srs {
+    /// The arm of a geometry of seven axes, or why it is none.
+    pub fn new(geometry: Geometry) -> Result<Self, String> {
+        for (first, name) in [(0, "first"), (4, "last")] {
+            let gap = geometry.gap(first);
+            if gap > 0.0 {
+                return Err(if gap.is_finite() {
+                    format!("its {name} three axes miss a common point by {:.3} mm", 1e3 * gap)
+                } else {
+                    format!("two of its {name} three axes are parallel")
+                });
+            }
+        }
+        let [three, four, five] = [2, 3, 4].map(|i| geometry.links[i]);
+        let (x, y) = (four.a, -four.sine * five.d);
+        let radius = x.hypot(y);
+        let to_axis = three.a.hypot(three.sine * three.d);
+        if radius < geometry.tolerance || to_axis < geometry.tolerance {
+            return Err("its fourth axis goes through shoulder or wrist".to_owned());
+        }
+        Ok(Self {
+            shoulder: Meeting { one: geometry.links[0], two: geometry.links[1] },
+            wrist: Meeting { one: geometry.links[4], two: geometry.links[5] },
+            radius,
+            phase: y.atan2(x),
+            height: four.d + four.cosine * five.d,
+            geometry,
+        })
+    }
+
+    /// The axes.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// The parts of the solution that hold for every arm angle.
+    #[inline(always)]
+    pub(super) fn reach<R: Real>(
+        &self,
+        goal: &Goal<R>,
+        tool: [f64; 3],
+        preferred: &[Turn<R>],
+    ) -> Reached<R> {
+        let g = &self.geometry;
+        let base = [splat3::<R>(g.axes[0]), splat3(g.axes[1]), splat3(g.axes[2])];
+        let center = sub(wrist_center(g, goal, tool), splat3(g.origin));
+        let mut p = components(base, center);
+        p[2] -= R::splat(g.links[0].d);
+        let (to_wrist, length) = direction(p);
+        // Above the shoulder any direction will do: the robot's x.
+        let z = [R::zero(), R::zero(), R::splat(1.0)];
+        let x = [R::splat(1.0), R::zero(), R::zero()];
+        let (up, upright) = upright_part(z, to_wrist);
+        let upside = upright.lt(R::splat(1e-9));
+        let lean_x = if R::bits(upside) == 0 { up } else { upright_part(x, to_wrist).0 };
+        let zero = crate::lanes::select3::<R>(upside, lean_x, up);
+
+        let three = g.links[2];
+        let (r, w) = (self.radius, self.height);
+        let fixed = three.a * three.a
+            + three.d * three.d
+            + r * r
+            + w * w
+            + 2.0 * three.d * three.cosine * w;
+        let (a, b) = (2.0 * three.a * r, 2.0 * three.d * three.sine * r);
+        let c = length.mul_add(length, R::splat(-fixed));
+        let bends = linear(R::splat(a), R::splat(b), c, 0.0, preferred[3]);
+        Reached {
+            elbows: [self.elbow(&bends, 0), self.elbow(&bends, 1)],
+            line: [to_wrist, zero, cross(to_wrist, zero)],
+            wanted: [
+                components(base, goal.axes[0]),
+                components(base, goal.axes[1]),
+                components(base, goal.axes[2]),
+            ],
+        }
+    }
+
+    #[inline(always)]
+    fn elbow<R: Real>(&self, bends: &Pair<R>, i: usize) -> Elbow<R> {
+        let three = self.geometry.links[2];
+        let (s, c) = bends.turns[i];
+        let r = R::splat(self.radius);
+        let (y, x) = (s * r, c * r);
+        let v = [
+            x + R::splat(three.a),
+            y.mul_add(R::splat(three.cosine), R::splat(-three.sine * self.height)),
+            y.mul_add(R::splat(three.sine), R::splat(three.d + three.cosine * self.height)),
+        ];
+        let (along, _) = direction(v);
+        let (side, out) = upright_part(self.elbow_point(), along);
+        // A stretched elbow leans nowhere: where it would, bent a little.
+        let straight = out.lt(R::splat(1e-9));
+        let hinge = splat3::<R>([0.0, -three.sine, three.cosine]);
+        let (bent, _) = direction(cross(hinge, along));
+        let side = crate::lanes::select3::<R>(straight, bent, side);
+        let phase = self.phase.sin_cos();
+        let turn = super::turn::minus((s, c), (R::splat(phase.0), R::splat(phase.1)));
+        Elbow {
+            turn,
+            frame: [along, side, cross(along, side)],
+            merged: if i == 1 { bends.merged } else { 0 },
+            singular: bends.singular,
+        }
+    }
+
+    /// Direction of the elbow, a point of the third link, seen from the shoulder.
+    #[inline(always)]
+    fn elbow_point<R: Real>(&self) -> V3<R> {
+        let three = self.geometry.links[2];
+        let length = three.a.hypot(three.d);
+        splat3::<R>([three.a / length, 0.0, three.d / length])
+    }
+
+    /// The orientation of the third link at an arm angle (sine and cosine).
+    #[inline(always)]
+    pub(super) fn third_link<R: Real>(
+        &self,
+        at: &Reached<R>,
+        elbow: &Elbow<R>,
+        angle: Turn<R>,
+    ) -> [V3<R>; 3] {
+        let (s, c) = angle;
+        let side = blend(at.line[1], c, at.line[2], s);
+        let third = cross(at.line[0], side);
+        let frame = [at.line[0], side, third];
+        [outer(frame, elbow.frame, 0), outer(frame, elbow.frame, 1), outer(frame, elbow.frame, 2)]
+    }
+
+    /// What is left to the wrist, as columns x and z, where the third link stands so.
+    #[inline(always)]
+    pub(super) fn left_to_wrist<R: Real>(
+        &self,
+        at: &Reached<R>,
+        elbow: &Elbow<R>,
+        third: [V3<R>; 3],
+    ) -> [V3<R>; 2] {
+        // `third` is turned by the third joint already: only its twist is left.
+        let none = (R::zero(), R::splat(1.0));
+        let fourth = advance(third, none, &self.geometry.links[2]);
+        let fifth = advance(fourth, elbow.turn, &self.geometry.links[3]);
+        [components(fifth, at.wanted[0]), components(fifth, at.wanted[2])]
+    }
+
+    /// All branches at an arm angle (sine and cosine); `preferred` as for
+    /// [`super::SphericalWrist::solve`].
+    #[inline(always)]
+    pub fn solve<R: Real>(
+        &self,
+        goal: &Goal<R>,
+        tool: [f64; 3],
+        angle: Turn<R>,
+        preferred: &[Turn<R>],
+        out: &mut [Candidate<R>; BRANCHES],
+    ) {
+        let at = self.reach(goal, tool, preferred);
+        self.solve_at(&at, angle, preferred, out);
+    }
+
+    /// [`Self::solve`] after [`Self::reach`].
+    #[inline(always)]
+    pub(super) fn solve_at<R: Real>(
+        &self,
+        at: &Reached<R>,
+        angle: Turn<R>,
+        preferred: &[Turn<R>],
+        out: &mut [Candidate<R>; BRANCHES],
+    ) {
+        let g = &self.geometry;
+        for (e, elbow) in at.elbows.iter().enumerate() {
+            let third = self.third_link(at, elbow, angle);
+            let (shoulders, merged_s, singular_s) =
+                self.shoulder.solve(third[0], third[2], preferred[0]);
+            let [mx, mz] = self.left_to_wrist(at, elbow, third);
+            let (wrists, merged_w, singular_w) = self.wrist.solve(mx, mz, preferred[4]);
+            let fourth = value(elbow.turn, g.links[3].theta);
+            let shoulders = [self.triple(&shoulders[0], 0), self.triple(&shoulders[1], 0)];
+            let wrists = [self.triple(&wrists[0], 4), self.triple(&wrists[1], 4)];
+            for (i, first) in shoulders.iter().enumerate() {
+                for (j, last) in wrists.iter().enumerate() {
+                    let c = &mut out[4 * e + 2 * i + j];
+                    c.q = [first[0], first[1], first[2], fourth, last[0], last[1], last[2]];
+                    c.merged = elbow.merged
+                        | if i == 1 { merged_s } else { 0 }
+                        | if j == 1 { merged_w } else { 0 };
+                    c.singular = [singular_s, elbow.singular, singular_w];
+                }
+            }
+        }
+    }
+
+    /// Joint values of three turns, the first of joint `first`.
+    #[inline(always)]
+    fn triple<R: Real>(&self, turns: &Triple<R>, first: usize) -> [R; 3] {
+        [
+            value(turns[0], self.offset(first)),
+            value(turns[1], self.offset(first + 1)),
+            value(turns[2], self.offset(first + 2)),
+        ]
+    }
+
+    /// The fourth joint's value where the elbow bends so.
+    pub(super) fn fourth(&self, elbow: &Elbow<f64>) -> f64 {
+        value(elbow.turn, self.geometry.links[3].theta)
+    }
+
+    /// Shoulder and wrist.
+    pub(super) fn meetings(&self) -> (&Meeting, &Meeting) {
+        (&self.shoulder, &self.wrist)
+    }
+
+    /// What a joint's turn is counted from, rad.
+    #[inline(always)]
+    pub(super) fn offset(&self, joint: usize) -> f64 {
+        self.geometry.links.get(joint).map_or(self.geometry.last_theta, |link| link.theta)
+    }
+
+    /// The arm angle of a configuration, rad in [-pi, pi]; 0 where the elbow is stretched
+    /// along the line.
+    pub fn arm_angle(&self, q: &[f64]) -> f64 {
+        let g = &self.geometry;
+        let mut frame = identity::<f64>();
+        for j in 0..3 {
+            let turn = (q[g.variables[j]] + g.links[j].theta).sin_cos();
+            frame = if j < 2 {
+                advance(frame, turn, &g.links[j])
+            } else {
+                let none = super::geometry::Link { sine: 0.0, cosine: 1.0, ..g.links[2] };
+                advance(frame, turn, &none)
+            };
+        }
+        let t4 = q[g.variables[3]] + g.links[3].theta + self.phase;
+        let pair = Pair { turns: [t4.sin_cos(); 2], merged: 0, singular: 0 };
+        let elbow = self.elbow(&pair, 0);
+        let world = |v: V3<f64>| {
+            [0, 1, 2].map(|k| frame[0][k] * v[0] + frame[1][k] * v[1] + frame[2][k] * v[2])
+        };
+        let (along, side) = (world(elbow.frame[0]), world(elbow.frame[1]));
+        let z = [0.0, 0.0, 1.0];
+        let (mut zero, upright) = upright_part(z, along);
+        if upright < 1e-9 {
+            zero = upright_part([1.0, 0.0, 0.0], along).0;
+        }
+        dot(cross(along, zero), side).atan2(dot(zero, side))
+    }
+}
+
+/// `v` less its part along a unit vector.
+#[inline(always)]
+fn less<R: Real>(v: V3<R>, along: V3<R>) -> V3<R> {
+    axpy(along, -dot(along, v), v)
+}
+
+/// Direction and length of the part of `v` at right angles to a unit vector.
+#[inline(always)]
+fn upright_part<R: Real>(v: V3<R>, along: V3<R>) -> (V3<R>, R) {
+    let (rough, length) = direction(less(v, along));
+    // A short part has few digits left: a second pass makes the angle right again.
+    (direction(less(rough, along)).0, length)
+}
+
+/// Column `k` of the rotation that takes the frame `from` (columns) to the frame `to`.
+#[inline(always)]
+fn outer<R: Real>(to: [V3<R>; 3], from: [V3<R>; 3], k: usize) -> V3<R> {
+    let v = scale(to[0], from[0][k]);
+    axpy(to[1], from[1][k], axpy(to[2], from[2][k], v))
+}
