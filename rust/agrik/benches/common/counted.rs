@@ -63,6 +63,7 @@ impl Neg for Counted {
 impl Real for Counted {
     const WIDTH: usize = 1;
     type Mask = bool;
+    type Single = Self;
 
     fn splat(value: f64) -> Self {
         Self(value)
