@@ -181,7 +181,7 @@ mod tests {
     fn atan2_within_four_ulps() {
         let mut worst: f64 = 0.0;
         for i in 0..200_000 {
-            let angle = std::f64::consts::PI * (f64::from(i) / 1e5 - 0.999_999);
+            let angle = 1.000_005 * (f64::from(i) * 3.141_59e-5 - std::f64::consts::PI);
             let radius = 10_f64.powf(f64::from(i % 25) - 12.0);
             let (y, x) = (radius * angle.sin(), radius * angle.cos());
             worst = worst.max(ulps(atan2(y, x), y.atan2(x), 0.0));
