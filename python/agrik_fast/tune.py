@@ -20,10 +20,9 @@ from typing import Any
 
 import numpy as np
 
-from . import __version__
 from ._checks import FloatArray, whole_number
 from ._feedback import IkPid, StateSpace, StaticGain, matrix_of
-from ._native import Tuner
+from ._native import Tuner, __version__
 from .errors import ArgumentError, GainFileError, UnknownNameError
 from .gain_file import GainFile, SuccessTable, TrainingTable
 from .goals import joint_uniform
