@@ -10,6 +10,7 @@
 pub mod arm_angle;
 mod branches;
 mod candidates;
+mod check;
 mod choose;
 mod geometry;
 mod quartic;
