@@ -40,6 +40,7 @@ format: $(VENV)/.dev ## let rustfmt and ruff write the files the way `make lint`
 bench: build $(VENV)/.dev ## criterion benches of the core, then this library beside its peers
 	cargo bench $(LOCKED) -p agrik
 	$(PY) benches/peers.py
+	$(PY) benches/closed_forms.py
 
 callgrind: $(VENV)/.pip ## instructions per solve against the committed numbers (needs valgrind)
 	$(PY) benches/instructions.py

@@ -7,7 +7,7 @@ import matplotlib as mpl
 import numpy as np
 
 import agrik_fast as ik
-from agrik_fast.papers import redundant7
+from agrik_fast.papers import redundant7, strawberry, tomato
 
 mpl.use("Agg")
 # The same drawing has the same bytes, whoever makes it.
@@ -75,7 +75,8 @@ def main(folder: Path) -> None:
     folder.mkdir(exist_ok=True)
     draw_reach(folder / "reach.svg")
     draw_arm_angles(folder / "arm_angles.svg")
-
+    strawberry.reproduce(folder / "papers" / "strawberry")
+    tomato.reproduce(folder / "papers" / "tomato")
     redundant7.reproduce(folder / "papers" / "redundant7", repeats=200)
     for name in ik.Robot.names():
         (folder / f"{name}.md").write_text(describe(name), encoding="utf-8")

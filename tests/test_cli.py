@@ -22,7 +22,9 @@ print("heavy:", sorted(heavy & set(sys.modules)))
 """
 
 
-@pytest.mark.parametrize("words", [["--help"], ["solve", "--help"], ["info", "--help"]])
+@pytest.mark.parametrize(
+    "words", [["--help"], ["solve", "--help"], ["info", "--help"], ["paper", "--help"]]
+)
 def test_help_imports_nothing_heavy(words: list[str]) -> None:
     script = HELP.format(words=words)
     done = subprocess.run(

@@ -16,11 +16,15 @@ __all__ = [
     "Branches",
     "Chain",
     "IkResult",
+    "StrawberryArm",
     "TargetSolver",
+    "TomatoArm",
     "Tuner",
     "__version__",
     "default_settings",
     "get_num_threads",
+    "ik_paced",
+    "ik_record",
     "set_num_threads",
     "simd_level",
 ]
@@ -392,6 +396,157 @@ class IkResult:
     @property
     def restarts(self) -> NDArray[np.uint32]:
         """Attempts after the first."""
+
+@final
+class StrawberryArm:
+    """Closed forms of the strawberry arm; see `agrik_fast.closed_form.StrawberryArm`."""
+
+    def __new__(
+        cls,
+        *,
+        l1: float | None = None,
+        l2: float | None = None,
+        l3: float | None = None,
+        d: ArrayLike | None = None,
+        lower: ArrayLike | None = None,
+        upper: ArrayLike | None = None,
+        friction: float | None = None,
+        mass2: float | None = None,
+        mass3: float | None = None,
+        gravity: float | None = None,
+    ) -> StrawberryArm:
+        """Make an arm; what is not given is as in the paper (m, rad, N, kg)."""
+
+    @property
+    def parameters(self) -> dict[str, float | list[float]]:
+        """Parameters by name."""
+
+    @property
+    def free_pose(self) -> tuple[float, float] | None:
+        """Theta and beta of the free branch, rad, or None."""
+
+    @property
+    def reset_pose(self) -> NDArray[np.float64]:
+        """Home and reset pose, shape (5,), m and rad."""
+
+    @property
+    def target_box(self) -> NDArray[np.float64]:
+        """Bounds of the targets, shape (2, 3), m."""
+
+    def solve(
+        self,
+        targets: ArrayLike,
+        method: str,
+        s10_share: float,
+        theta_rule: str,
+        theta_step: float,
+    ) -> tuple[IkResult, NDArray[np.float64], NDArray[np.uint8], NDArray[np.float64]]:
+        """Return the record, energies (J), places and gaps of targets, shape (..., 3), m."""
+
+    def fk(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Return tool points, shape (..., 3), m, of joint values, shape (..., 5)."""
+
+    def energy(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Return energy indices, J, of joint values, shape (..., 5)."""
+
+    def s10_set(self, target: ArrayLike) -> tuple[tuple[float, float] | None, float]:
+        """Return the set of s10 of a target, m, and by how much it is empty."""
+
+    def theta_sets(self, target: ArrayLike, beta: float) -> dict[str, list[tuple[float, float]]]:
+        """Return the sets of theta of a target at a beta, rad, by name."""
+
+    def slopes(self, theta: float, beta: float, case: str) -> dict[str, float]:
+        """Return derivatives along s10, by name."""
+
+    def commands(self, q: ArrayLike, psi: float, h_extra: float) -> list[tuple[str, float]]:
+        """Return the steps of remark 3 to a pose: (axis, target) pairs."""
+
+    def suggest_base_shift(self, targets: ArrayLike, may_move: list[bool]) -> NDArray[np.float64]:
+        """Return the smallest platform translations, shape (..., 3), m; NaN where none helps."""
+
+@final
+class TomatoArm:
+    """Closed form of the tomato arm; see `agrik_fast.closed_form.TomatoArm`."""
+
+    def __new__(
+        cls,
+        l1: float,
+        l2: float,
+        lower: ArrayLike | None = None,
+        upper: ArrayLike | None = None,
+    ) -> TomatoArm:
+        """Make an arm from link lengths (m) and servo limits (rad)."""
+
+    def solve(
+        self, targets: ArrayLike, current: ArrayLike, branch: int | None, follow: bool
+    ) -> tuple[IkResult, NDArray[np.uint8], NDArray[np.int8]]:
+        """Return the record, outcomes and branches of targets, shape (..., 3), m."""
+
+    def branches(
+        self, targets: ArrayLike, pan: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.bool_], NDArray[np.uint8]]:
+        """Return all branches, which are valid, and outcomes of targets, shape (..., 3), m."""
+
+    def transpose_bound(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Return the fixed transpose step, 1/m^2, above which the iteration diverges."""
+
+def ik_paced(
+    chain: Chain,
+    targets: ArrayLike,
+    step: str,
+    parameter: float,
+    gain: float,
+    step_length: float | None,
+    q0: ArrayLike,
+    position_tolerance: float,
+    max_iterations: int,
+) -> IkResult:
+    """Solve a position task without restarts, a part of the error a step.
+
+    Parameters
+    ----------
+    chain : Chain
+        Three joints.
+    targets : array_like, shape (..., 3), m
+        Tool points.
+    step : {"transpose", "pinv", "dls"}
+        Step rule.
+    parameter : float
+        Its parameter: alpha (1/m^2; 0 for the automatic length), cutoff, damping (m).
+    gain : float
+        Share of the error a step is to remove, above 0, at most 1.
+    step_length : float or None
+        Instead of the gain: the longest part of the error, m.
+    q0 : array_like, shape (3,) or (..., 3), rad
+        Start.
+    position_tolerance : float
+        m.
+    max_iterations : int
+        Cap.
+
+    Returns
+    -------
+    IkResult
+        The record.
+    """
+
+def ik_record(q: ArrayLike, status: ArrayLike, position_error: ArrayLike) -> IkResult:
+    """Return the common record of answers that were found outside the core.
+
+    Parameters
+    ----------
+    q : array_like, shape (..., n), rad or m
+        Joint values.
+    status : array_like, shape (...)
+        Codes of `agrik_fast.Status`.
+    position_error : array_like, shape (...), m
+        Distances.
+
+    Returns
+    -------
+    IkResult
+        The record.
+    """
 
 @final
 class Tuner:

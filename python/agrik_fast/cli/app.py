@@ -242,13 +242,23 @@ def tune(
 
 @app.command()
 def paper(
-    name: Annotated[str, typer.Argument(help="Whose paper: hydrolek or redundant7.")],
+    name: Annotated[
+        str, typer.Argument(help="Whose paper: strawberry, tomato, hydrolek or redundant7.")
+    ],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
+    force: Annotated[
+        bool, typer.Option("--force", help="Write into a folder that holds files.")
+    ] = False,
 ) -> None:
-    """Write the tables and figures of a paper, regenerated, beside the published numbers."""
+    """Compute a paper's tables and figures anew and write them to a folder.
+
+    Published values, where there are any, stand beside ours. Needs the extra `papers`.
+    """
     with _exit_codes():
         from .paper import reproduce
 
-        files = reproduce(name, output, lambda line: typer.echo(f"{name}: {line}", err=True))
-        for file in files:
+        def report(line: str) -> None:
+            typer.echo(f"{name}: {line}", err=True)
+
+        for file in reproduce(name, output, report, force=force):
             typer.echo(str(file))

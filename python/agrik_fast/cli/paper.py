@@ -2,18 +2,34 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 
-from ..errors import UnknownNameError
+from ..errors import ArgumentError, UnknownNameError
 from ..papers import PAPERS
 
 
-def reproduce(name: str, directory: Path, report: Callable[[str], None]) -> list[Path]:
-    """Write the files of a paper; return their paths."""
+def reproduce(
+    name: str, directory: Path, report: Callable[[str], None], *, force: bool
+) -> list[Path]:
+    """Write the files of a paper into a folder and return their paths.
+
+    Raises
+    ------
+    UnknownNameError
+        No such paper.
+    ArgumentError
+        The folder holds files and `force` is False.
+    """
     if name not in PAPERS:
         raise UnknownNameError("paper", name, PAPERS)
-    module = import_module(f"agrik_fast.papers.{name}")
+    if directory.exists() and not directory.is_dir():
+        raise ArgumentError("output", f"the file {directory}", "a folder")
+    if directory.is_dir() and any(directory.iterdir()) and not force:
+        raise ArgumentError(
+            "output", f"{directory}, which holds files", "an empty or new folder (or --force)"
+        )
+    module = importlib.import_module(f"..papers.{name}", __package__)
     files: list[Path] = module.reproduce(directory, report=report)
     return files

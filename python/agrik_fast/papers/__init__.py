@@ -4,7 +4,7 @@ Each has a function ``reproduce(directory, report=...)`` that writes its files a
 their paths; ``agrik-fast paper NAME -o DIR`` calls it. Figures need the extra ``papers``.
 """
 
-PAPERS = ("hydrolek", "redundant7")
+PAPERS = ("strawberry", "tomato", "hydrolek", "redundant7")
 """Names of the papers, each a module here."""
 
 __all__ = ["PAPERS"]

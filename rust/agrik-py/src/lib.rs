@@ -14,9 +14,11 @@ mod kinematics;
 mod population;
 mod result;
 mod solver;
+mod strawberry;
 mod targets;
 mod task;
 mod threads;
+mod tomato;
 mod tune;
 
 use pyo3::prelude::*;
@@ -37,7 +39,11 @@ mod _native {
     #[pymodule_export]
     use solver::default_settings;
     #[pymodule_export]
+    use strawberry::{StrawberryArm, ik_record};
+    #[pymodule_export]
     use threads::{get_num_threads, set_num_threads, simd_level};
+    #[pymodule_export]
+    use tomato::{TomatoArm, ik_paced};
     #[pymodule_export]
     use tune::Tuner;
 

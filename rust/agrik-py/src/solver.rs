@@ -143,6 +143,7 @@ pub fn settings(solver: Option<&Bound<'_, PyAny>>, robot: &str) -> PyResult<Sett
             max_step: f64::MAX,
             plain: true,
             start: start_rule(&solver.getattr("start")?)?,
+            pace: inner.pace,
             step: inner.step,
         });
     }
@@ -150,7 +151,7 @@ pub fn settings(solver: Option<&Bound<'_, PyAny>>, robot: &str) -> PyResult<Sett
     settings.max_iterations = count(solver, "max_iterations")?;
     settings.max_restarts = count(solver, "max_restarts")?;
     match &mut settings.step {
-        Step::Transpose | Step::ClosedPseudoInverse => {}
+        Step::Transpose | Step::FixedTranspose { .. } | Step::ClosedPseudoInverse => {}
         Step::PseudoInverse { cutoff } => *cutoff = number(solver, "cutoff")?,
         Step::Damped { damping } | Step::LevenbergMarquardt { damping } => {
             *damping = number(solver, "damping")?;
@@ -207,7 +208,7 @@ pub fn default_settings(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         let fields = PyDict::new(py);
         let mut has_max_step = true;
         match &settings.step {
-            Step::Transpose | Step::ClosedPseudoInverse => {}
+            Step::Transpose | Step::FixedTranspose { .. } | Step::ClosedPseudoInverse => {}
             Step::PseudoInverse { cutoff } => fields.set_item("cutoff", cutoff)?,
             Step::Damped { damping } | Step::LevenbergMarquardt { damping } => {
                 fields.set_item("damping", damping)?;

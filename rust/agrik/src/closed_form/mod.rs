@@ -5,7 +5,8 @@
 //! all branches of each target, or the best branch by a stated criterion (a call of
 //! [`crate::batch::solve`]). A family solves
 //! whole lane groups through [`ClosedForm::solve`]; limits, the check by forward
-//! kinematics and the choice are common to all (see [`settle`]).
+//! kinematics and the choice are common to all (see [`settle`]). The papers' own arms,
+//! [`strawberry`] and [`tomato`], have closed forms of their own.
 
 pub mod arm_angle;
 mod branches;
@@ -19,6 +20,8 @@ mod settle;
 mod shoulder;
 mod spherical_wrist;
 mod srs;
+pub mod strawberry;
+pub mod tomato;
 mod turn;
 
 pub use branches::{Branches, BranchesMut};

@@ -336,7 +336,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         if self.plan.pull.is_some() {
             pulled::step(&self.columns, &error.rows, &self.pull, &mut self.change);
         } else {
-            self.plan.settings.step.compute(&self.columns, &error.rows, &mut self.change);
+            self.plan.settings.change(&self.columns, &error.rows, &mut self.change);
         }
         let squared = squared_norm(&error.rows);
         self.apply(moving, squared)
@@ -582,7 +582,7 @@ impl Step {
     /// The name by which users choose the step.
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Transpose => "transpose",
+            Self::Transpose | Self::FixedTranspose { .. } => "transpose",
             Self::PseudoInverse { .. } => "pinv",
             Self::Damped { .. } => "dls",
             Self::LevenbergMarquardt { .. } => "lm",

@@ -16,5 +16,5 @@ pub(crate) use plan::Outcome;
 pub use plan::{Answers, AnswersMut, Goals, Plan, Starts, Status, Tolerance};
 pub use rows::Solve;
 pub use step::{
-    GainUnits, Matrix, Pid, PidOrder, Settings, StartRule, StateSpace, StaticGain, Step,
+    GainUnits, Matrix, Pace, Pid, PidOrder, Settings, StartRule, StateSpace, StaticGain, Step,
 };

@@ -4,7 +4,7 @@ use super::Family;
 use crate::batch;
 use crate::chain::Chain;
 use crate::error::{Error, Result};
-use crate::solve::{Goals, Plan, Settings, StartRule, Starts, Status, Tolerance};
+use crate::solve::{Goals, Pace, Plan, Settings, StartRule, Starts, Status, Tolerance};
 use crate::task::Task;
 
 /// Steps that count as one unit of effort.
@@ -79,6 +79,7 @@ impl Problem<'_> {
             max_step: 1.0,
             plain: true,
             start: self.start,
+            pace: Pace::Full,
         };
         let tolerance = Tolerance { position: self.tolerance, ..Tolerance::default() };
         let goals = Goals::Positions { points: self.goals, direction: None };

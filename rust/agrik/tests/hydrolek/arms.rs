@@ -1,7 +1,7 @@
 //! The two arms of the paper, its gains and the goal sets of the specification.
 
 use agrik::chain::{Chain, DhConvention, DhRow, JointKind};
-use agrik::solve::{GainUnits, Matrix, Settings, StartRule, StateSpace, Step};
+use agrik::solve::{GainUnits, Matrix, Pace, Settings, StartRule, StateSpace, Step};
 use nalgebra::IsometryMatrix3;
 use serde_json::Value;
 
@@ -72,7 +72,15 @@ pub fn from_paper(p: &[f64]) -> [f64; 3] {
 
 /// The published way: one attempt, full steps, saturation.
 pub fn plain(step: Step, start: StartRule) -> Settings {
-    Settings { step, max_iterations: 1000, max_restarts: 0, max_step: 1e9, plain: true, start }
+    Settings {
+        step,
+        max_iterations: 1000,
+        max_restarts: 0,
+        max_step: 1e9,
+        plain: true,
+        start,
+        pace: Pace::Full,
+    }
 }
 
 pub fn paper_units(length: f64) -> GainUnits {

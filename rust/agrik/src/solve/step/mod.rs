@@ -3,6 +3,7 @@
 mod closed;
 mod damped;
 mod gains;
+mod pace;
 mod pseudo_inverse;
 pub(super) mod pulled;
 mod transpose;
@@ -14,6 +15,7 @@ use crate::lanes::Real;
 
 pub(super) use gains::{Feedback, Sparse, middle};
 pub use gains::{GainUnits, Matrix, Pid, PidOrder, StateSpace, StaticGain};
+pub use pace::Pace;
 
 /// How a step is computed.
 ///
@@ -23,6 +25,12 @@ pub use gains::{GainUnits, Matrix, Pid, PidOrder, StateSpace, StaticGain};
 pub enum Step {
     /// `alpha J^T e` with the length that minimises the linear error (Buss 2004).
     Transpose,
+    /// `alpha J^T e` with the same `alpha` everywhere; converges for `alpha` below 2 over
+    /// the largest eigenvalue of `J J^T`.
+    FixedTranspose {
+        /// Step length, rad or m per m^2 of the product.
+        alpha: f64,
+    },
     /// `J^+ e`, singular values below `cutoff` times the largest left out.
     PseudoInverse {
         /// Relative cutoff of singular values, in (0, 1).
@@ -89,6 +97,8 @@ pub struct Settings {
     pub plain: bool,
     /// Where the first attempt starts if the caller gives no start.
     pub start: StartRule,
+    /// The part of the error that one step is to remove.
+    pub pace: Pace,
 }
 
 impl Settings {
@@ -100,6 +110,7 @@ impl Settings {
         max_step: 1.0,
         plain: false,
         start: StartRule::Sampled,
+        pace: Pace::Full,
     };
     /// Damped least squares.
     pub const DAMPED: Self = Self {
@@ -109,6 +120,7 @@ impl Settings {
         max_step: 1.0,
         plain: false,
         start: StartRule::Sampled,
+        pace: Pace::Full,
     };
     /// Pseudo-inverse.
     pub const PSEUDO_INVERSE: Self = Self {
@@ -118,6 +130,7 @@ impl Settings {
         max_step: 1.0,
         plain: false,
         start: StartRule::Sampled,
+        pace: Pace::Full,
     };
     /// Pseudo-inverse in closed form.
     pub const CLOSED_PSEUDO_INVERSE: Self = Self {
@@ -127,6 +140,7 @@ impl Settings {
         max_step: 1.0,
         plain: false,
         start: StartRule::Sampled,
+        pace: Pace::Full,
     };
     /// Jacobian transpose.
     pub const TRANSPOSE: Self = Self {
@@ -136,6 +150,7 @@ impl Settings {
         max_step: 1.0,
         plain: false,
         start: StartRule::Sampled,
+        pace: Pace::Full,
     };
 
     /// Cyclic coordinate descent.
@@ -146,6 +161,7 @@ impl Settings {
         max_step: 1.0,
         plain: true,
         start: StartRule::Sampled,
+        pace: Pace::Full,
     };
     /// IK-PID with the published gains, 0.012, 1e-7 and 0.08 degrees per mm.
     pub const IK_PID: Self = Self {
@@ -155,6 +171,7 @@ impl Settings {
         max_step: 1.0,
         plain: true,
         start: StartRule::Sampled,
+        pace: Pace::Full,
     };
     /// State space with a frozen pseudo-inverse.
     pub const STATE_SPACE: Self = Self {
@@ -164,6 +181,7 @@ impl Settings {
         max_step: 1.0,
         plain: true,
         start: StartRule::Sampled,
+        pace: Pace::Full,
     };
     /// Static gain: a frozen pseudo-inverse.
     pub const STATIC_GAIN: Self = Self {
@@ -173,6 +191,7 @@ impl Settings {
         max_step: 1.0,
         plain: true,
         start: StartRule::Sampled,
+        pace: Pace::Full,
     };
     /// Broyden's update of a frozen pseudo-inverse.
     pub const BROYDEN: Self = Self {
@@ -182,12 +201,14 @@ impl Settings {
         max_step: 1.0,
         plain: true,
         start: StartRule::Sampled,
+        pace: Pace::Full,
     };
 
     /// Refuses numbers outside their ranges.
     pub fn check(&self) -> Result<()> {
         let (name, value, ok) = match &self.step {
             Step::PseudoInverse { cutoff } => ("cutoff", *cutoff, *cutoff > 0.0 && *cutoff < 1.0),
+            Step::FixedTranspose { alpha } => ("alpha", *alpha, *alpha > 0.0 && alpha.is_finite()),
             Step::Damped { damping } | Step::LevenbergMarquardt { damping } => {
                 ("damping", *damping, *damping > 0.0 && damping.is_finite())
             }
@@ -203,6 +224,7 @@ impl Settings {
     }
 
     fn check_loop(&self) -> Result<()> {
+        self.pace.check()?;
         if self.max_iterations == 0 {
             return Err(Error::argument("max_iterations", "at least 1", 0));
         }
@@ -216,6 +238,20 @@ impl Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self::LEVENBERG_MARQUARDT
+    }
+}
+
+impl Settings {
+    /// The change of the joint values for the part of the error that is wanted.
+    #[inline(always)]
+    pub(super) fn change<R: Real, const M: usize>(
+        &self,
+        columns: &[[R; M]],
+        error: &[R; M],
+        change: &mut [R],
+    ) {
+        self.step.compute(columns, error, change);
+        self.pace.apply(error, change);
     }
 }
 
@@ -243,6 +279,7 @@ impl Step {
         match *self {
             Self::ClosedPseudoInverse => closed::step(columns, error, change),
             Self::Transpose => transpose::step(columns, error, change),
+            Self::FixedTranspose { alpha } => transpose::fixed_step(columns, error, alpha, change),
             Self::PseudoInverse { cutoff } => pseudo_inverse::step(columns, error, cutoff, change),
             Self::Damped { damping } => {
                 damped::step(columns, error, R::splat(damping * damping), change);

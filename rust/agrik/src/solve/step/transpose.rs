@@ -31,3 +31,16 @@ pub(super) fn step<R: Real, const M: usize>(columns: &[[R; M]], error: &[R; M], 
         *dq *= alpha;
     }
 }
+
+/// `alpha J^T e`.
+#[inline(always)]
+pub(super) fn fixed_step<R: Real, const M: usize>(
+    columns: &[[R; M]],
+    error: &[R; M],
+    alpha: f64,
+    change: &mut [R],
+) {
+    for (dq, column) in change.iter_mut().zip(columns) {
+        *dq = dot(column, error) * R::splat(alpha);
+    }
+}

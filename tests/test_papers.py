@@ -1,0 +1,87 @@
+"""`agrik-fast paper`: every file is written, none is taken for granted."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from agrik_fast.papers import PAPERS, strawberry, tomato
+from cli_runner import one_line, run_command
+
+FILES = {
+    "strawberry": {
+        *("table3.csv", "experiments.csv", "report.md"),
+        *(
+            f"{name}.{kind}"
+            for name in ("figure2", "figure4", "figure5", "figure6", "exact", "table4")
+            for kind in ("png", "svg")
+        ),
+    },
+    "tomato": {
+        *("table1.csv", "figure8.csv", "torques.csv", "servos.csv", "report.md"),
+        *(f"{name}.{kind}" for name in ("figure8", "arm") for kind in ("png", "svg")),
+    },
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_command_writes_every_file(name: str, tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    result = run_command("paper", name, "-o", str(folder))
+    assert result.exit_code == 0, result.output
+    written = {file.name for file in folder.iterdir()}
+    assert written == FILES[name]
+    assert {Path(line).name for line in result.stdout.split()} == written
+    assert all(file.stat().st_size > 100 for file in folder.iterdir())
+    again = run_command("paper", name, "-o", str(folder))
+    assert "--force" in one_line(again)
+
+
+def test_unknown_paper(tmp_path: Path) -> None:
+    result = run_command("paper", "strawbery", "-o", str(tmp_path / "out"))
+    assert "did you mean 'strawberry'" in one_line(result)
+    assert set(FILES) <= set(PAPERS)
+
+
+def test_strawberry_table_percentages_recompute() -> None:
+    rows = strawberry.published()
+    assert len(rows) == 20
+    for row in rows:
+        for name in ("SSAS", "AS"):
+            percent = 100 * (row[f"J_{name}"] / row["J_NCOS"] - 1)
+            assert abs(percent - row[f"dJ_{name}_pct"]) < 0.006
+            percent = 100 * (1 - row[f"t_{name}"] / row["t_NCOS"])
+            assert abs(percent - row[f"dt_{name}_pct"]) < 0.006
+
+
+def test_strawberry_experiments_cover_the_quadrants() -> None:
+    runs = strawberry.experiments()
+    assert len(runs) == 24
+    assert {(run.quadrant, run.column) for run in runs} == {
+        (quadrant, column) for quadrant in (1, 2, 3, 4) for column in ("ncos", "ssas", "as")
+    }
+    for run in runs:
+        x, y, _ = strawberry.targets()[run.row - 1] - strawberry.SPHERE_CENTRE
+        assert run.quadrant == {(0, 0): 1, (1, 0): 2, (1, 1): 3, (0, 1): 4}[(x > 0, y > 0)]
+        assert 1.0 < run.seconds < 6.0
+
+
+def test_tomato_table_1(tmp_path: Path) -> None:
+    rows = {row.method: row for row in tomato.table1()}
+    assert all(row.reached == row.of for row in rows.values())
+    for method, published in tomato.PUBLISHED.items():
+        # The settings are fitted to these counts.
+        assert abs(rows[method].iterations / published.iterations - 1) < 0.02
+    tomato.reproduce(tmp_path)
+    with (tmp_path / "table1.csv").open(newline="") as stream:
+        assert [row["method"] for row in csv.DictReader(stream)] == list(tomato.FITS)
+
+
+def test_tomato_error_is_calibration_not_kinematics() -> None:
+    errors = tomato.monte_carlo()
+    assert errors.shape == (4000,)
+    assert 1.4 < errors.mean() < 2.1
+    none = tomato.ErrorSizes(link=0.0, zero=0.0, deadband=0.0, image=0.0)
+    assert np.abs(tomato.monte_carlo(sizes=none, draws=10)).max() < 1e-10
+    assert tomato.monte_carlo("inverse", none, draws=10).max() < 0.3
