@@ -10,8 +10,9 @@
 use std::f64::consts::{PI, TAU};
 
 use super::candidates::Lanes;
+use super::check::{Limit, SLACK};
 use super::choose::Choice;
-use super::settle::{Group, Limit, SLACK};
+use super::settle::Group;
 use super::srs::{Elbow, Reached, Srs};
 use super::turn::{Meeting, advance, components};
 use super::{BRANCHES, ClosedForm, JOINTS};

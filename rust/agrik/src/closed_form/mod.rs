@@ -11,6 +11,7 @@
 pub mod arm_angle;
 mod branches;
 mod candidates;
+mod check;
 mod choose;
 mod geometry;
 mod quartic;

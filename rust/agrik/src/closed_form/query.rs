@@ -8,6 +8,7 @@ use super::{ClosedForm, arm_angle};
 use crate::batch::share;
 use crate::chain::Chain;
 use crate::error::{Error, Result};
+use crate::kinematics::Workspace;
 use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
 use crate::solve::{AnswersMut, Outcome, Plan, Solve, Starts, Status};
 use crate::task::{Goal, rotation_between};
@@ -246,12 +247,12 @@ impl Kernel for AllFew<'_, '_> {
     fn run<R: Real>(self) {
         let (query, rows) = (self.query, self.rows);
         let mut group = query.group::<R::Single>();
-        let mut wide = query.group::<R>();
+        let mut workspace = Workspace::<R>::new(query.chain().compiled());
         let end = rows.first + rows.len();
         for row in rows.first..end {
             let (_, bad) = query.load(&mut group, row, end);
             if bad == 0 {
-                group.solve_with(&mut wide);
+                group.solve_with(&mut workspace);
             }
             write(&group, 0, bad != 0, rows, row - rows.first);
         }

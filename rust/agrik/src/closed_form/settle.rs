@@ -1,49 +1,21 @@
-//! What every closed form does with its candidates: whole turns that bring each joint
-//! inside its limits, and the check by forward kinematics.
-
-use std::f64::consts::TAU;
+//! A lane group at work: what every closed form does with its goals and candidates.
 
 use super::candidates::{BRANCHES, Candidate, JOINTS, Lanes};
+use super::check::{Exact, Limit, wrap};
 use super::srs::{Reached, Srs};
 use super::turn::Turn;
 use super::{ClosedForm, geometry::Geometry};
-use crate::chain::{Chain, Compiled, Tail, Variable};
+use crate::chain::{Chain, Tail};
 use crate::kinematics::{Workspace, forward};
-use crate::lanes::{Real, dot, sub};
+use crate::lanes::Real;
 use crate::solve::Tolerance;
 use crate::task::Goal;
-
-/// A joint value this far past a limit is rounding, and is put on the limit, rad.
-pub(super) const SLACK: f64 = 1e-10;
-
-/// A joint's limits and the value that it stays near.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Limit {
-    pub lower: f64,
-    pub upper: f64,
-    /// Middle of the limits; 0 where there are none.
-    pub middle: f64,
-    /// Half their distance; infinite where there are none.
-    pub half: f64,
-}
-
-impl Limit {
-    fn of(v: &Variable) -> Self {
-        let bounded = v.lower.is_finite() && v.upper.is_finite();
-        let middle = if bounded { 0.5 * (v.lower + v.upper) } else { 0.0 };
-        let half = if bounded { 0.5 * (v.upper - v.lower) } else { f64::INFINITY };
-        Self { lower: v.lower, upper: v.upper, middle, half }
-    }
-}
 
 /// One lane group at work: goals in, checked branches out.
 pub(super) struct Group<'a, R> {
     pub form: &'a ClosedForm,
-    pub compiled: &'a Compiled,
     geometry: &'a Geometry,
-    tail: Tail,
-    position_limit2: f64,
-    chord_limit2: f64,
+    exact: Exact<'a>,
     /// Limits along the chain.
     pub limits: [Limit; JOINTS],
     pub joints: usize,
@@ -61,8 +33,6 @@ pub(super) struct Group<'a, R> {
     /// Squared chord left between the wanted and the present axes.
     pub chord2: [R; BRANCHES],
     workspace: Workspace<R>,
-    /// Values in the order of `q`.
-    ordered: [R; JOINTS],
 }
 
 impl<'a, R: Real> Group<'a, R> {
@@ -77,12 +47,8 @@ impl<'a, R: Real> Group<'a, R> {
         let turn = (R::zero(), R::splat(1.0));
         let mut group = Self {
             form,
-            compiled: chain.compiled(),
+            exact: Exact::new(chain.compiled(), &geometry.variables, tail, tolerance),
             geometry,
-            tail,
-            position_limit2: tolerance.position * tolerance.position,
-            // A rotation by x moves the three unit axes by 2 sin(x / 2) sqrt(2) in all.
-            chord_limit2: 8.0 * (0.5 * tolerance.orientation.min(3.0)).sin().powi(2),
             limits,
             joints: geometry.variables.len(),
             centre: [R::zero(); JOINTS],
@@ -95,7 +61,6 @@ impl<'a, R: Real> Group<'a, R> {
             position2: [R::zero(); BRANCHES],
             chord2: [R::zero(); BRANCHES],
             workspace: Workspace::new(chain.compiled()),
-            ordered: [R::zero(); JOINTS],
         };
         for (centre, limit) in group.centre.iter_mut().zip(&group.limits) {
             *centre = R::splat(limit.middle);
@@ -126,7 +91,7 @@ impl<'a, R: Real> Group<'a, R> {
     /// Solves the goals.
     #[inline(always)]
     pub fn solve(&mut self) {
-        let tool = self.tail.translation;
+        let tool = self.exact.tail.translation;
         self.form.solve(&self.goal, tool, self.angle, &self.preferred, &mut self.candidates);
         for b in 0..BRANCHES {
             self.wrap(b);
@@ -135,39 +100,40 @@ impl<'a, R: Real> Group<'a, R> {
     }
 
     /// Solves the goal of a group of one lane; its branches are brought within limits and
-    /// checked in the lanes of another group.
+    /// checked side by side in the lanes of another number type.
     #[inline(always)]
-    pub fn solve_with<W: Real>(&mut self, wide: &mut Group<'_, W>) {
-        let tool = self.tail.translation;
+    pub fn solve_with<W: Real>(&mut self, workspace: &mut Workspace<W>) {
+        let tool = self.exact.tail.translation;
         self.form.solve(&self.goal, tool, self.angle, &self.preferred, &mut self.candidates);
+        let mut goal = Goal::<W>::zero();
         for i in 0..3 {
-            wide.goal.position[i] = W::splat(self.goal.position[i].lane(0));
+            goal.position[i] = W::splat(self.goal.position[i].lane(0));
             for k in 0..3 {
-                wide.goal.axes[k][i] = W::splat(self.goal.axes[k][i].lane(0));
+                goal.axes[k][i] = W::splat(self.goal.axes[k][i].lane(0));
             }
         }
+        let mut centre = [W::zero(); JOINTS];
+        let mut q = [W::zero(); JOINTS];
         for j in 0..self.joints {
-            wide.centre[j] = W::splat(self.centre[j].lane(0));
+            centre[j] = W::splat(self.centre[j].lane(0));
         }
         let mut first = 0;
         while first < BRANCHES {
-            wide.candidates[0].merged = 0;
-            for lane in 0..W::WIDTH.min(BRANCHES - first) {
-                let from = &self.candidates[first + lane];
-                wide.candidates[0].merged |= (from.merged & 1) << lane;
-                for (to, x) in wide.candidates[0].q.iter_mut().zip(&from.q) {
+            let some = &mut self.candidates[first..BRANCHES.min(first + W::WIDTH)];
+            for (lane, from) in some.iter().enumerate() {
+                for (to, x) in q.iter_mut().zip(&from.q) {
                     to.set_lane(lane, x.lane(0));
                 }
             }
-            wide.wrap(0);
-            wide.check(0);
-            for lane in 0..W::WIDTH.min(BRANCHES - first) {
-                let b = first + lane;
-                for (to, x) in self.candidates[b].q.iter_mut().zip(&wide.candidates[0].q) {
+            let inside = wrap(&self.limits[..self.joints], &mut q, &centre);
+            let (position2, chord2) = self.exact.miss(&q, &goal, workspace);
+            let near = self.exact.is_near(position2, chord2);
+            for (lane, to) in some.iter_mut().enumerate() {
+                for (to, x) in to.q.iter_mut().zip(&q) {
                     to.set_lane(0, x.lane(lane));
                 }
-                self.reached[b] = wide.reached[0] >> lane & 1;
-                self.inside[b] = wide.inside[0] >> lane & 1;
+                self.reached[first + lane] = near >> lane & !to.merged & 1;
+                self.inside[first + lane] = inside >> lane & 1;
             }
             first += W::WIDTH;
         }
@@ -182,57 +148,24 @@ impl<'a, R: Real> Group<'a, R> {
     /// Brings the joints of a branch within limits by whole turns.
     #[inline(always)]
     pub fn wrap(&mut self, b: usize) {
-        let candidate = &mut self.candidates[b];
-        let mut inside = R::mask_from_bits(u32::MAX);
-        for j in 0..self.joints {
-            let limit = self.limits[j];
-            let (lower, upper) = (R::splat(limit.lower), R::splat(limit.upper));
-            let turn = R::splat(TAU);
-            let x = candidate.q[j];
-            let turns = ((self.centre[j] - x) * R::splat(1.0 / TAU)).round();
-            let x = turns.mul_add(turn, x);
-            // The nearest to the centre may be just outside, and the next one inside.
-            let slack = R::splat(SLACK);
-            let x = R::select((upper + slack).lt(x), x - turn, x);
-            let x = R::select(x.lt(lower - slack), x + turn, x);
-            let held = x.max(lower).min(upper);
-            let near = (x - held).abs().le(slack);
-            inside = R::and(inside, near);
-            let x = R::select(near, held, x);
-            candidate.q[j] = x;
-        }
-        self.inside[b] = R::bits(inside);
+        let q = &mut self.candidates[b].q;
+        self.inside[b] = wrap(&self.limits[..self.joints], q, &self.centre);
     }
 
     /// Checks a branch by forward kinematics.
     #[inline(always)]
     fn check(&mut self, b: usize) {
         let candidate = &self.candidates[b];
-        for (x, variable) in candidate.q.iter().zip(&self.geometry.variables) {
-            self.ordered[*variable] = *x;
-        }
-        forward(self.compiled, &self.ordered, &mut self.workspace);
-        let axes = self.workspace.joint_axes();
-        let mut chord2 = R::zero();
-        for (axis, wanted) in axes.iter().zip(&self.goal.axes) {
-            let d = sub(*axis, *wanted);
-            chord2 += dot(d, d);
-        }
-        let d = sub(self.workspace.tool_point(self.tail.translation), self.goal.position);
-        let position2 = dot(d, d);
-        let near = R::and(
-            position2.le(R::splat(self.position_limit2)),
-            chord2.le(R::splat(self.chord_limit2)),
-        );
+        let (position2, chord2) = self.exact.miss(&candidate.q, &self.goal, &mut self.workspace);
+        self.reached[b] = self.exact.is_near(position2, chord2) & !candidate.merged;
         self.position2[b] = position2;
         self.chord2[b] = chord2;
-        self.reached[b] = R::bits(near) & !candidate.merged;
     }
 
     /// The tool point in the last joint's frame.
     #[inline(always)]
     pub fn tool(&self) -> [f64; 3] {
-        self.tail.translation
+        self.exact.tail.translation
     }
 
     /// Where angles stand that nothing decides.
@@ -258,11 +191,8 @@ impl<'a, R: Real> Group<'a, R> {
         };
         Group {
             form: self.form,
-            compiled: self.compiled,
+            exact: self.exact,
             geometry: self.geometry,
-            tail: self.tail,
-            position_limit2: self.position_limit2,
-            chord_limit2: self.chord_limit2,
             limits: self.limits,
             joints: self.joints,
             centre,
@@ -274,8 +204,7 @@ impl<'a, R: Real> Group<'a, R> {
             inside: [0; BRANCHES],
             position2: [0.0; BRANCHES],
             chord2: [0.0; BRANCHES],
-            workspace: Workspace::new(self.compiled),
-            ordered: [0.0; JOINTS],
+            workspace: Workspace::new(self.exact.compiled),
         }
     }
 
@@ -293,16 +222,15 @@ impl<'a, R: Real> Group<'a, R> {
 
     /// Axes of the last joint's frame and the tool point at `q`.
     pub fn pose(&self, q: &[f64]) -> ([[f64; 3]; 3], [f64; 3]) {
-        let mut workspace = Workspace::new(self.compiled);
-        forward(self.compiled, q, &mut workspace);
-        (workspace.joint_axes(), workspace.tool_point(self.tail.translation))
+        let mut workspace = Workspace::new(self.exact.compiled);
+        forward(self.exact.compiled, q, &mut workspace);
+        (workspace.joint_axes(), workspace.tool_point(self.exact.tail.translation))
     }
 
     /// A branch of a single target is within the tolerances, whether or not it is another
     /// branch over again.
     pub fn reaches(&self, b: usize) -> bool {
-        self.position2[b].lane(0) <= self.position_limit2
-            && self.chord2[b].lane(0) <= self.chord_limit2
+        self.exact.is_near(self.position2[b].lane(0), self.chord2[b].lane(0)) & 1 != 0
     }
 
     /// Lanes in which a branch is reached and inside the limits.

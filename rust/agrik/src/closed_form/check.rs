@@ -1,0 +1,114 @@
+//! Limits and forward kinematics: what makes a candidate an answer.
+
+use std::f64::consts::TAU;
+
+use super::candidates::{JOINTS, Lanes};
+use crate::chain::{Compiled, Tail, Variable};
+use crate::kinematics::{Workspace, forward};
+use crate::lanes::{Real, dot, sub};
+use crate::solve::Tolerance;
+use crate::task::Goal;
+
+/// A joint value this far past a limit is rounding, and is put on the limit, rad.
+pub const SLACK: f64 = 1e-10;
+
+/// A joint's limits and the value that it stays near.
+#[derive(Debug, Clone, Copy)]
+pub struct Limit {
+    pub lower: f64,
+    pub upper: f64,
+    /// Middle of the limits; 0 where there are none.
+    pub middle: f64,
+    /// Half their distance; infinite where there are none.
+    pub half: f64,
+}
+
+impl Limit {
+    /// The limits of a joint.
+    pub fn of(v: &Variable) -> Self {
+        let bounded = v.lower.is_finite() && v.upper.is_finite();
+        let middle = if bounded { 0.5 * (v.lower + v.upper) } else { 0.0 };
+        let half = if bounded { 0.5 * (v.upper - v.lower) } else { f64::INFINITY };
+        Self { lower: v.lower, upper: v.upper, middle, half }
+    }
+}
+
+/// Brings joint values within limits by whole turns, each the nearest to its centre that
+/// is inside; returns the lanes in which all are.
+#[inline(always)]
+pub fn wrap<R: Real>(limits: &[Limit], q: &mut [R; JOINTS], centre: &[R; JOINTS]) -> Lanes {
+    let mut inside = R::mask_from_bits(u32::MAX);
+    let (turn, slack) = (R::splat(TAU), R::splat(SLACK));
+    for ((limit, q), centre) in limits.iter().zip(q).zip(centre) {
+        let (lower, upper) = (R::splat(limit.lower), R::splat(limit.upper));
+        let turns = ((*centre - *q) * R::splat(1.0 / TAU)).round();
+        let x = turns.mul_add(turn, *q);
+        // The nearest to the centre may be just outside, and the next one inside.
+        let x = R::select((upper + slack).lt(x), x - turn, x);
+        let x = R::select(x.lt(lower - slack), x + turn, x);
+        let held = x.max(lower).min(upper);
+        let near = (x - held).abs().le(slack);
+        inside = R::and(inside, near);
+        *q = R::select(near, held, x);
+    }
+    R::bits(inside)
+}
+
+/// The chain as it was given, and how near is near enough.
+#[derive(Clone, Copy)]
+pub struct Exact<'a> {
+    pub compiled: &'a Compiled,
+    /// Which entry of `q` each joint along the chain is.
+    pub variables: &'a [usize],
+    pub tail: Tail,
+    position2: f64,
+    chord2: f64,
+}
+
+impl<'a> Exact<'a> {
+    /// A chain with a tool.
+    pub fn new(
+        compiled: &'a Compiled,
+        variables: &'a [usize],
+        tail: Tail,
+        tolerance: Tolerance,
+    ) -> Self {
+        Self {
+            compiled,
+            variables,
+            tail,
+            position2: tolerance.position * tolerance.position,
+            // A rotation by x moves the three unit axes by 2 sin(x / 2) sqrt(2) in all.
+            chord2: 8.0 * (0.5 * tolerance.orientation.min(3.0)).sin().powi(2),
+        }
+    }
+
+    /// Squared distance (m^2) and squared chord between the axes that are left to a goal.
+    #[inline(always)]
+    pub fn miss<R: Real>(
+        &self,
+        q: &[R; JOINTS],
+        goal: &Goal<R>,
+        workspace: &mut Workspace<R>,
+    ) -> (R, R) {
+        let mut ordered = [R::zero(); JOINTS];
+        for (x, variable) in q.iter().zip(self.variables) {
+            ordered[*variable] = *x;
+        }
+        forward(self.compiled, &ordered, workspace);
+        let axes = workspace.joint_axes();
+        let mut chord2 = R::zero();
+        for (axis, wanted) in axes.iter().zip(&goal.axes) {
+            let d = sub(*axis, *wanted);
+            chord2 += dot(d, d);
+        }
+        let d = sub(workspace.tool_point(self.tail.translation), goal.position);
+        (dot(d, d), chord2)
+    }
+
+    /// Lanes in which what is left is within the tolerances.
+    #[inline(always)]
+    pub fn is_near<R: Real>(&self, position2: R, chord2: R) -> Lanes {
+        R::bits(R::and(position2.le(R::splat(self.position2)), chord2.le(R::splat(self.chord2))))
+    }
+}
