@@ -26,9 +26,10 @@ use crate::{errors, task, threads};
 /// Time between two looks at pending signals of a call that has released the interpreter
 /// and has to wait for it each time. Results do not depend on it.
 const DETACHED_PERIOD: Duration = Duration::from_millis(50);
-/// The same for a call that holds the interpreter, which others may be waiting for: as
-/// long as Python itself lets a thread run.
-const ATTACHED_PERIOD: Duration = Duration::from_millis(5);
+/// The same for a call that holds the interpreter, which others may be waiting for. Several
+/// times the 5 ms after which a waiting thread asks for its turn: let go before it has
+/// asked, the interpreter would be taken back at once.
+const ATTACHED_PERIOD: Duration = Duration::from_millis(20);
 
 /// Targets from which on all branches are written to an array of NumPy's.
 const MANY: usize = 1024;

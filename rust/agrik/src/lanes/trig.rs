@@ -161,18 +161,6 @@ pub(crate) fn atan2<R: Real>(y: R, x: R) -> R {
     R::select(y.lt(R::zero()), -angle, angle)
 }
 
-/// The angle of the direction (c, s), of any length but zero, in [-pi, pi].
-#[inline(always)]
-pub(crate) fn angle_of<R: Real>(s: R, c: R) -> R {
-    let length = s.mul_add(s, c * c).sqrt().max(R::splat(1e-300));
-    let cosine = c / length;
-    // Near the axes' ends the sine, elsewhere the cosine says how far; both in one form.
-    let angle = s.abs() / length * angle_over_sine(cosine.abs());
-    let back = R::splat(std::f64::consts::PI) - angle;
-    let angle = R::select(c.lt(R::zero()), back, angle);
-    R::select(s.lt(R::zero()), -angle, angle)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -216,15 +204,6 @@ mod tests {
             worst = worst.max(ulps(s2, s, 0.0)).max(ulps(c2, c, 0.0));
         }
         assert!(worst <= 1.45, "worst {worst} ulp");
-    }
-
-    #[test]
-    fn angle_of_matches_atan2() {
-        for i in -3141..=3141 {
-            let angle = f64::from(i) / 1000.0;
-            let (s, c) = angle.sin_cos();
-            assert!((angle_of(3.0 * s, 3.0 * c) - angle).abs() < 1e-14, "{angle}");
-        }
     }
 
     #[test]

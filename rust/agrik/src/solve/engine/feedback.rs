@@ -6,7 +6,7 @@
 use super::{Engine, STILL, square};
 use crate::chain::JointKind;
 use crate::kinematics::forward;
-use crate::lanes::{Real, angle_of, axpy, cross, dot, scale, sub};
+use crate::lanes::{Real, atan2, axpy, cross, dot, scale, sub};
 use crate::solve::step::{Feedback, Pid, PidOrder, Sparse, squared_norm};
 use crate::task::{Rows, TaskError};
 
@@ -387,7 +387,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         let cosine = dot(arm, wanted);
         // On the axis, or with a goal on it, every angle is as good.
         let idle = (sine.abs() + cosine.abs()).le(R::splat(1e-24));
-        let dq = R::select(idle, R::zero(), angle_of(sine, cosine));
+        let dq = R::select(idle, R::zero(), atan2(sine, cosine));
         let (q, limit) = (self.q[joint], self.limits[joint]);
         let (lower, upper) = (R::splat(limit.lower), R::splat(limit.upper));
         let turn = R::splat(std::f64::consts::TAU);
