@@ -72,50 +72,66 @@ impl<'a> Sampler<'a> {
     /// The posture of a window whose frame comes nearest to the goal.
     ///
     /// Every operation is a single-precision one that no instruction set fuses, so that the
-    /// choice is the same at every SIMD level.
+    /// choice is the same at every SIMD level. One plain pass over the window a term: such
+    /// loops become vector instructions whatever they are inlined into.
     #[inline(always)]
     fn nearest(&self, first: usize, goal: &Goal<f64>) -> usize {
-        let frame = |row: usize| &self.postures.frames[row][first..first + WINDOW];
-        let to = [0, 1, 2].map(|k| goal.position[k] as f32);
-        let axes = goal.axes.map(|axis| axis.map(|x| x as f32));
+        let row = |row: usize| window(&self.postures.frames[row][first..]);
         let Ranking { point, axes: weight, direction: (along, direction_weight) } = self.ranking;
-        let mut best = [f32::INFINITY; STRIDE];
-        let mut chosen = [0u32; STRIDE];
-        let rows: [&[f32]; 12] = std::array::from_fn(frame);
-        for start in (0..WINDOW).step_by(STRIDE) {
-            for lane in 0..STRIDE {
-                let i = start + lane;
-                let at = |row: usize| rows[row][i];
-                let mut distance = 0.0f32;
-                for k in 0..3 {
-                    let tool =
-                        at(k) + at(3 + k) * point[0] + at(6 + k) * point[1] + at(9 + k) * point[2];
-                    distance += (tool - to[k]) * (tool - to[k]);
-                }
-                // |a - b|^2 of unit vectors is 2 - 2 a.b, and for small angles their angle
-                // squared; three axes count each rotation twice.
-                let mut cosines = 0.0f32;
-                let mut cosine = 0.0f32;
-                for k in 0..3 {
-                    cosines +=
-                        at(3 + k) * axes[0][k] + at(6 + k) * axes[1][k] + at(9 + k) * axes[2][k];
-                    let d = at(3 + k) * along[0] + at(6 + k) * along[1] + at(9 + k) * along[2];
-                    cosine += d * axes[2][k];
-                }
-                distance += weight * (3.0 - cosines) + direction_weight * (2.0 - 2.0 * cosine);
-                let better = distance < best[lane];
-                best[lane] = if better { distance } else { best[lane] };
-                chosen[lane] = if better { i as u32 } else { chosen[lane] };
+        // |a - b|^2 of unit vectors is 2 - 2 a.b, and for small angles their angle squared;
+        // three axes count each rotation twice. What is the same for all postures is left
+        // out, and what remains is linear in the axes.
+        let mut distance = [0.0f32; WINDOW];
+        for j in 0..3 {
+            for k in 0..3 {
+                let wanted = weight * goal.axes[j][k] as f32
+                    + 2.0 * direction_weight * along[j] * goal.axes[2][k] as f32;
+                add_product(&mut distance, row(3 + 3 * j + k), -wanted);
             }
         }
-        let mut lane = 0;
-        for other in 1..STRIDE {
-            if best[other] < best[lane] {
-                lane = other;
+        for k in 0..3 {
+            let mut way = [-goal.position[k] as f32; WINDOW];
+            add_product(&mut way, row(k), 1.0);
+            for (j, along) in point.iter().enumerate() {
+                add_product(&mut way, row(3 + 3 * j + k), *along);
+            }
+            for (d, w) in distance.iter_mut().zip(&way) {
+                *d += w * w;
             }
         }
-        first + chosen[lane] as usize
+        first + least(&distance)
     }
+}
+
+/// The first numbers of a column of the table.
+#[inline(always)]
+fn window(column: &[f32]) -> &[f32; WINDOW] {
+    match column.first_chunk() {
+        Some(window) => window,
+        // The first posture of a window leaves room for all of it.
+        None => &[0.0; WINDOW],
+    }
+}
+
+/// `sum += column * factor`
+#[inline(always)]
+fn add_product(sum: &mut [f32; WINDOW], column: &[f32; WINDOW], factor: f32) {
+    for (s, x) in sum.iter_mut().zip(column) {
+        *s += x * factor;
+    }
+}
+
+/// Index of the least number, the first of equals.
+#[inline(always)]
+fn least(numbers: &[f32; WINDOW]) -> usize {
+    let mut least = [f32::INFINITY; STRIDE];
+    for group in numbers.as_chunks::<STRIDE>().0 {
+        for (l, x) in least.iter_mut().zip(group) {
+            *l = if *x < *l { *x } else { *l };
+        }
+    }
+    let least = least.iter().fold(f32::INFINITY, |a, b| if *b < a { *b } else { a });
+    numbers.iter().position(|x| *x == least).unwrap_or(0)
 }
 
 /// Lower end and width per joint value; continuous joints sample [-pi, pi].
