@@ -343,6 +343,12 @@ fn half_turn_axis<R: Real>(from: [V3<R>; 3], to: [V3<R>; 3]) -> V3<R> {
     scale(best, R::splat(1.0) / best2.sqrt())
 }
 
+/// Position and axes (columns) of a pose given row by row.
+#[inline(always)]
+pub fn pose_parts(m: &[f64; 16]) -> ([f64; 3], [[f64; 3]; 3]) {
+    ([m[3], m[7], m[11]], [0, 1, 2].map(|j| [m[j], m[4 + j], m[8 + j]]))
+}
+
 /// The goal of a pose target: `axes` are those that the last joint's frame must take.
 pub fn pose_goal(position: [f64; 3], rotation: [[f64; 3]; 3], tail: &Tail) -> Goal<f64> {
     // R_joint = R_target * R_tail^T.

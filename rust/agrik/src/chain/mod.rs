@@ -14,7 +14,7 @@ use nalgebra::{IsometryMatrix3, Matrix4};
 pub use compiled::{Compiled, Link, Tail, Twist};
 pub use dh::{DhConvention, DhRow};
 pub use joint::{Joint, JointKind, Mimic};
-pub use postures::Postures;
+pub use postures::{BLOCK, FEATURES, Places, Postures};
 pub use reach::Reach;
 
 use crate::closed_form::ClosedForm;

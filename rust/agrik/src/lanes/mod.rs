@@ -60,6 +60,11 @@ pub trait Real:
 
     /// `self * a + b`, fused where the hardware level has it.
     fn mul_add(self, a: Self, b: Self) -> Self;
+    /// `b - self * a`, fused where the hardware level has it.
+    #[inline(always)]
+    fn neg_mul_add(self, a: Self, b: Self) -> Self {
+        (-self).mul_add(a, b)
+    }
     /// Square root.
     fn sqrt(self) -> Self;
     /// Absolute value.

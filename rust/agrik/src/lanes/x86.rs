@@ -78,7 +78,7 @@ macro_rules! operators {
 
 /// The methods of [`Real`] that differ in nothing but the names of the instructions.
 macro_rules! shared_methods {
-    ($width:literal, $set1:ident, $fma:ident, $sqrt:ident, $min:ident, $max:ident) => {
+    ($width:literal, $set1:ident, $fma:ident, $fnma:ident, $sqrt:ident, $min:ident, $max:ident) => {
         const WIDTH: usize = $width;
 
         #[inline(always)]
@@ -104,6 +104,11 @@ macro_rules! shared_methods {
         fn mul_add(self, a: Self, b: Self) -> Self {
             // SAFETY: invariant of this file.
             Self(unsafe { $fma(self.0, a.0, b.0) })
+        }
+        #[inline(always)]
+        fn neg_mul_add(self, a: Self, b: Self) -> Self {
+            // SAFETY: invariant of this file.
+            Self(unsafe { $fnma(self.0, a.0, b.0) })
         }
         #[inline(always)]
         fn sqrt(self) -> Self {
@@ -142,6 +147,7 @@ impl Real for F64x4 {
         4,
         _mm256_set1_pd,
         _mm256_fmadd_pd,
+        _mm256_fnmadd_pd,
         _mm256_sqrt_pd,
         _mm256_min_pd,
         _mm256_max_pd
@@ -233,6 +239,7 @@ impl Real for F64x8 {
         8,
         _mm512_set1_pd,
         _mm512_fmadd_pd,
+        _mm512_fnmadd_pd,
         _mm512_sqrt_pd,
         _mm512_min_pd,
         _mm512_max_pd

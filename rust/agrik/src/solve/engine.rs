@@ -173,6 +173,8 @@ struct Engine<'p, R: Real, T, const M: usize, const FEEDBACK: bool> {
     workspace: Workspace<R>,
     goal: Goal<R>,
     memory: Memory<R, M>,
+    /// The joint values of a start on their way to a lane.
+    begin: PerJoint<f64>,
 }
 
 impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
@@ -215,6 +217,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             workspace: Workspace::new(plan.chain.compiled()),
             goal: Goal::zero(),
             memory: Memory::new(plan.feedback.as_ref(), dof),
+            begin: smallvec![0.0; dof],
         }
     }
 
@@ -311,17 +314,41 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                 }
             }
         });
-        // Active set: a joint at a limit whose downhill direction leads outward is held
-        // for this step, and the others take over its share.
         if let Some((gain, toward)) = &self.plan.pull {
             for ((p, q), to) in self.pull.iter_mut().zip(&self.q).zip(toward) {
                 *p = R::splat(*gain) * (R::splat(*to) - *q);
             }
         }
-        let plain = self.plan.settings.plain;
-        let moves = self.limits.iter().zip(&self.q).zip(&mut self.columns).zip(&mut self.pull);
-        for (((v, q), column), pull) in moves {
-            if v.turns || plain {
+        if !self.plan.settings.plain {
+            self.hold(error);
+        }
+        if self.plan.pull.is_some() {
+            pulled::step(&self.columns, &error.rows, &self.pull, &mut self.change);
+        } else {
+            self.plan.settings.change(&self.columns, &error.rows, &mut self.change);
+        }
+        let squared = squared_norm(&error.rows);
+        self.apply(moving, squared)
+    }
+
+    /// Active set: a joint at a limit whose downhill direction leads outward is held for
+    /// this step, and the others take over its share.
+    #[inline(always)]
+    fn hold(&mut self, error: &TaskError<R, M>) {
+        let mut at_limit = R::mask_from_bits(0);
+        for (v, q) in self.limits.iter().zip(&self.q) {
+            if !v.turns {
+                let (lower, upper) = (R::splat(v.lower), R::splat(v.upper));
+                at_limit = R::or(at_limit, R::or(q.le(lower), upper.le(*q)));
+            }
+        }
+        // Mostly no joint of any lane is.
+        if R::bits(at_limit) == 0 {
+            return;
+        }
+        let joints = self.limits.iter().zip(&self.q).zip(&mut self.columns).zip(&mut self.pull);
+        for (((v, q), column), pull) in joints {
+            if v.turns {
                 continue;
             }
             let downhill = dot(column, &error.rows);
@@ -333,13 +360,6 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             }
             *pull = R::select(held, R::zero(), *pull);
         }
-        if self.plan.pull.is_some() {
-            pulled::step(&self.columns, &error.rows, &self.pull, &mut self.change);
-        } else {
-            self.plan.settings.change(&self.columns, &error.rows, &mut self.change);
-        }
-        let squared = squared_norm(&error.rows);
-        self.apply(moving, squared)
     }
 
     /// Adds the change, no longer than the longest step, projected on the limits.
@@ -439,11 +459,14 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             self.start(lane, row, attempt, &goal);
             return true;
         }
-        let best = job.best.unwrap_or(Best {
-            squared: f64::INFINITY,
-            status,
-            position_error: f64::INFINITY,
-            orientation_error: f64::INFINITY,
+        let best = job.best.unwrap_or_else(|| {
+            job.best_q.iter_mut().zip(self.variables).for_each(|(x, v)| *x = stand_in(v));
+            Best {
+                squared: f64::INFINITY,
+                status,
+                position_error: f64::INFINITY,
+                orientation_error: f64::INFINITY,
+            }
         });
         let status = if !solved && job.unreachable { Status::OutOfReach } else { best.status };
         let outcome = Outcome {
@@ -454,7 +477,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             restarts: job.attempt,
         };
         if let Some((slot, i)) = job.place.take() {
-            finish(open, slot, i, outcome).copy_from(&job.best_q);
+            finish(open, slot, i, outcome).fill(job.best_q.iter().copied());
             close_if_done(open, slot);
         }
         false
@@ -471,11 +494,6 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         loop {
             let Some((slot, i, row)) = next_row(open, next) else { return false };
             let Some(goal) = self.plan.goal(row) else {
-                // A posture inside the limits stands in for the answer.
-                let mut q: PerJoint<f64> = smallvec![0.0; self.variables.len()];
-                for (x, v) in q.iter_mut().zip(self.variables) {
-                    *x = 0.0f64.clamp(v.lower, v.upper);
-                }
                 let outcome = Outcome {
                     status: Status::BadInput,
                     position_error: f64::INFINITY,
@@ -483,7 +501,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                     iterations: 0,
                     restarts: 0,
                 };
-                finish(open, slot, i, outcome).copy_from(&q);
+                finish(open, slot, i, outcome).fill(self.variables.iter().map(stand_in));
                 close_if_done(open, slot);
                 continue;
             };
@@ -497,9 +515,6 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             job.steps_before = 0;
             job.unreachable = self.plan.proven_unreachable(&goal);
             job.best = None;
-            job.best_q.iter_mut().zip(self.variables).for_each(|(x, v)| {
-                *x = 0.0f64.clamp(v.lower, v.upper);
-            });
             self.start(lane, row, 0, &goal);
             return true;
         }
@@ -508,19 +523,24 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
     /// Puts a lane at the start of an attempt.
     #[inline(always)]
     fn start(&mut self, lane: usize, row: usize, attempt: u32, goal: &Goal<f64>) {
-        let dof = self.variables.len();
         let given = self.plan.start(row);
-        let mut q: PerJoint<f64> = smallvec![0.0; dof];
-        match given {
-            Some(start) if attempt == 0 => q.copy_from_slice(start),
-            _ => self.plan.sampler.sample(row, attempt, goal, &mut q),
+        let begin: &[f64] = match given {
+            Some(start) if attempt == 0 => start,
+            _ => {
+                self.plan.sampler.sample(row, attempt, goal, &mut self.begin);
+                &self.begin
+            }
+        };
+        for ((q, x), v) in self.q.iter_mut().zip(begin).zip(&self.limits) {
+            q.set_lane(lane, x.clamp(v.lower, v.upper));
+        }
+        if self.has_continuous {
+            for (i, reference) in self.reference.iter_mut().enumerate() {
+                reference.set_lane(lane, given.map_or(0.0, |start| start[i]));
+            }
         }
         if FEEDBACK {
             self.memory.reset(self.plan.feedback.as_ref(), lane);
-        }
-        for (i, v) in self.limits.iter().enumerate() {
-            self.q[i].set_lane(lane, q[i].clamp(v.lower, v.upper));
-            self.reference[i].set_lane(lane, given.map_or(0.0, |start| start[i]));
         }
     }
 }
@@ -553,11 +573,16 @@ fn next_row<'a>(
 struct Filled<'b>(Option<&'b mut [f64]>);
 
 impl Filled<'_> {
-    fn copy_from(self, q: &[f64]) {
-        if let Some(to) = self.0 {
-            to.copy_from_slice(q);
+    fn fill(self, q: impl Iterator<Item = f64>) {
+        for (to, from) in self.0.into_iter().flatten().zip(q) {
+            *to = from;
         }
     }
+}
+
+/// A value inside a joint's limits that stands in for an answer where there is none.
+fn stand_in(v: &Variable) -> f64 {
+    0.0f64.clamp(v.lower, v.upper)
 }
 
 fn finish<'b>(

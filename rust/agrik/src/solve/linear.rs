@@ -2,43 +2,61 @@
 
 use crate::lanes::Real;
 
+/// Repeats a block for every index below the number of rows, each time with the index as a
+/// constant: the matrices then live in registers, which a loop would not guarantee.
+macro_rules! unrolled {
+    ($index:ident < $end:expr, $block:block) => {
+        unrolled!(@each $index, $end, $block, 0 1 2 3 4 5)
+    };
+    (@each $index:ident, $end:expr, $block:block, $($value:literal)*) => {
+        $(if $value < $end {
+            const $index: usize = $value;
+            $block
+        })*
+    };
+}
+
 /// Solves `A x = b` for a positive definite `A` (lower triangle) by LDL^T.
 ///
 /// Pivots are kept above `floor`, so that an `A` that is singular up to rounding gives a
 /// long, finite `x`.
 #[inline(always)]
 pub(super) fn solve_spd<R: Real, const M: usize>(
-    mut a: [[R; M]; M],
+    a: &mut [[R; M]; M],
     mut b: [R; M],
     floor: R,
 ) -> [R; M] {
     let mut inverse = [R::zero(); M];
-    for j in 0..M {
-        inverse[j] = R::splat(1.0) / a[j][j].max(floor);
-        for i in j + 1..M {
-            let l = a[i][j] * inverse[j];
-            for k in j + 1..=i {
-                a[i][k] = (-l).mul_add(a[k][j], a[i][k]);
+    unrolled!(J < M, {
+        inverse[J] = R::splat(1.0) / a[J][J].max(floor);
+        unrolled!(I < M, {
+            if J < I {
+                let l = a[I][J] * inverse[J];
+                unrolled!(K < M, {
+                    if J < K && K <= I {
+                        a[I][K] = l.neg_mul_add(a[K][J], a[I][K]);
+                    }
+                });
             }
-        }
-        // Column j now holds L D; scaling it waits until no pivot needs it any more.
-        for i in j + 1..M {
-            a[i][j] *= inverse[j];
-        }
-    }
-    for j in 0..M {
-        for i in j + 1..M {
-            b[i] = (-a[i][j]).mul_add(b[j], b[i]);
-        }
-    }
-    for j in 0..M {
-        b[j] *= inverse[j];
-    }
-    for j in (0..M).rev() {
-        for i in 0..j {
-            b[i] = (-a[j][i]).mul_add(b[j], b[i]);
-        }
-    }
+        });
+        // Column J now holds L D; scaling it waits until no pivot needs it any more.
+        unrolled!(I < M, {
+            if J < I {
+                a[I][J] *= inverse[J];
+                b[I] = a[I][J].neg_mul_add(b[J], b[I]);
+            }
+        });
+    });
+    unrolled!(J < M, {
+        b[J] *= inverse[J];
+    });
+    unrolled!(L < M, {
+        unrolled!(I < M, {
+            if I < M - 1 - L {
+                b[I] = a[M - 1 - L][I].neg_mul_add(b[M - 1 - L], b[I]);
+            }
+        });
+    });
     b
 }
 
@@ -105,7 +123,7 @@ mod tests {
     #[test]
     fn ldlt_solves() {
         let a = sample();
-        let x = solve_spd(a, [1.0, -2.0, 0.5], 1e-300);
+        let x = solve_spd(&mut a.clone(), [1.0, -2.0, 0.5], 1e-300);
         for (row, b) in a.iter().zip([1.0, -2.0, 0.5]) {
             let got: f64 = row.iter().zip(x).map(|(a, x)| a * x).sum();
             assert!((got - b).abs() < 1e-14);

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::kinematics::Workspace;
 use crate::task::{
     AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task, axis_goal, pose_goal,
-    rotation_scale, unit,
+    pose_parts, rotation_scale, unit,
 };
 
 /// Share of the tolerance that solvers themselves allow, so that rounding in a later check
@@ -178,7 +178,7 @@ impl<'a> Plan<'a> {
         };
         let tail = tail.unwrap_or(compiled.tail);
         let rotation_scale = rotation_scale(chain.reach().radius);
-        let ranking = ranking(&task, &tail, rotation_scale);
+        let ranking = ranking(&task, &compiled.tail, &tail, rotation_scale);
         let wrist_reach = if task.fixes_pose() { chain.last_joint_reach() } else { None };
         let feedback = Feedback::new(&settings, chain, &task, &tail, rotation_scale)?;
         let usual_start = match settings.start {
@@ -312,8 +312,7 @@ impl<'a> Plan<'a> {
                 if !m.iter().all(|x| x.is_finite()) {
                     return None;
                 }
-                let position = [m[3], m[7], m[11]];
-                let rotation = [0, 1, 2].map(|j| [m[j], m[4 + j], m[8 + j]]);
+                let (position, rotation) = pose_parts(m);
                 match self.task {
                     Task::Axis { tool_axis } => {
                         let mut direction = [0.0; 3];
@@ -353,18 +352,17 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// By what starts are compared with a goal of the task.
-fn ranking(task: &Task, tail: &Tail, rotation_scale: f64) -> Ranking {
-    let squared = (rotation_scale * rotation_scale) as f32;
-    let none = ([0.0; 3], 0.0);
+/// By what starts are compared with a goal of the task, with the chain's own tool or another.
+fn ranking(task: &Task, own: &Tail, tail: &Tail, rotation_scale: f64) -> Ranking {
+    let squared = rotation_scale * rotation_scale;
     let (axes, direction) = match task {
-        Task::Position => (0.0, none),
-        Task::Pose => (squared, none),
-        Task::Axis { tool_axis } => (0.0, (tail.direction(*tool_axis).map(|x| x as f32), squared)),
+        Task::Pose => (squared, ([0.0; 3], 0.0)),
+        Task::Axis { tool_axis } => (0.0, (tail.direction(*tool_axis), squared)),
         // Rows that are free make the axes a poor guide; the tool point is one if it counts.
-        Task::Masked { .. } => (0.0, none),
+        Task::Position | Task::Masked { .. } => (0.0, ([0.0; 3], 0.0)),
     };
-    Ranking { point: tail.translation.map(|x| x as f32), axes, direction }
+    let shift = [0, 1, 2].map(|k| tail.translation[k] - own.translation[k]);
+    Ranking { placed: task.fixes_position(), shift, axes, direction }
 }
 
 /// Copies of one target, for a subtask that tries several starts at once.

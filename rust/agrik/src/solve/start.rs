@@ -1,38 +1,46 @@
-//! Start points: the best of a few sampled postures, drawn for each target and attempt
-//! from a random stream of its own.
+//! Start points: of the sampled postures around a target, the one that comes nearest to
+//! it; for later attempts from farther away, and now and then anywhere.
 
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
-use crate::chain::{Chain, JointKind, Postures};
-use crate::kinematics::{Workspace, forward};
-use crate::task::Goal;
+use crate::chain::{BLOCK, Chain, FEATURES, JointKind, Places, Postures};
+use crate::kinematics::tool_poses;
+use crate::lanes::dot;
+use crate::task::{Goal, pose_goal, pose_parts};
 
 /// Postures in a chain's table.
 const TABLE: usize = 8192;
 /// Seed of the table: the same for every call, since calls choose windows of it.
 const TABLE_SEED: u64 = 0x6167_7269_6b00_0001;
-/// Postures compared for one start.
-pub(super) const WINDOW: usize = 64;
-/// Postures compared in one go.
-const STRIDE: usize = 16;
+/// Blocks of postures compared for one start.
+const WINDOW: usize = 4;
+/// The windows of a table.
+const WINDOWS: usize = TABLE / BLOCK - WINDOW + 1;
+/// Attempts that search windows around the target, each another one, before windows are
+/// taken from all of the table.
+const NEARBY: u32 = 6;
 /// Every so many attempts one starts anywhere, so that no start is out of the question.
-const ANYWHERE: u32 = 4;
+const ANYWHERE: u32 = 8;
+/// Low bits of a distance that give way to the posture's number in its window.
+const NUMBER: u32 = (WINDOW * BLOCK - 1) as u32;
 
 /// What a start is compared with the goal by.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ranking {
-    /// Tool point in the last joint's frame, m.
-    pub point: [f32; 3],
+    /// The goal says where the tool point has to be.
+    pub placed: bool,
+    /// The call's tool point seen from the chain's own, in the last joint's frame, m.
+    pub shift: [f64; 3],
     /// Squared length per radian for the frame's axes, m^2; zero leaves them out.
-    pub axes: f32,
+    pub axes: f64,
     /// A direction in the last joint's frame that has to meet the goal's z axis, with its
     /// squared length per radian, m^2; zero leaves it out.
-    pub direction: ([f32; 3], f32),
+    pub direction: ([f64; 3], f64),
 }
 
-/// Draws starts. A target's stream depends on the seed, the target's index and the attempt
-/// alone, so that answers do not depend on slices, lanes or threads.
+/// Draws starts. A target's starts depend on the seed, the target and its index, and the
+/// attempt alone, so that answers do not depend on slices, lanes or threads.
 #[derive(Debug, Clone)]
 pub(super) struct Sampler<'a> {
     seed: u64,
@@ -44,8 +52,7 @@ pub(super) struct Sampler<'a> {
 impl<'a> Sampler<'a> {
     /// A sampler over the joints' limits.
     pub fn new(chain: &'a Chain, ranking: Ranking, seed: u64, first_index: u64) -> Self {
-        let postures = chain.postures(sample_postures);
-        Self { seed, first_index, postures, ranking }
+        Self { seed, first_index, postures: chain.postures(sample_postures), ranking }
     }
 
     /// What alone decides the random numbers of an attempt at a target.
@@ -58,80 +65,111 @@ impl<'a> Sampler<'a> {
     /// The start of attempt `attempt` at target `row`.
     #[inline(always)]
     pub fn sample(&self, row: usize, attempt: u32, goal: &Goal<f64>, q: &mut [f64]) {
-        let key = self.key(row, attempt);
         if attempt % ANYWHERE == ANYWHERE - 1 {
-            draw(&mut Xoshiro256PlusPlus::seed_from_u64(key), &self.postures.ranges, q);
+            let mut stream = Xoshiro256PlusPlus::seed_from_u64(self.key(row, attempt));
+            draw(&mut stream, &self.postures.ranges, q);
             return;
         }
-        let windows = (TABLE - WINDOW) as u64;
-        let first = ((u128::from(key) * u128::from(windows)) >> 64) as usize;
-        let best = self.nearest(first, goal);
-        q.copy_from_slice(&self.postures.q[best * q.len()..(best + 1) * q.len()]);
+        let window = if self.ranking.placed && attempt < NEARBY {
+            self.window_near(goal, attempt as usize)
+        } else {
+            ((u128::from(self.key(row, attempt)) * WINDOWS as u128) >> 64) as usize
+        };
+        let dof = q.len();
+        let best = self.nearest(window, goal);
+        for (to, from) in q.iter_mut().zip(&self.postures.q[best * dof..]) {
+            *to = f64::from(*from);
+        }
+    }
+
+    /// First block of the window around the goal's place; for later attempts of those next
+    /// to it, by turns after and before it.
+    #[inline(always)]
+    fn window_near(&self, goal: &Goal<f64>, attempt: usize) -> usize {
+        let mut place = goal.position;
+        if self.ranking.axes > 0.0 {
+            // Where the chain's own tool point is while the call's is at its goal.
+            for (axis, along) in goal.axes.iter().zip(self.ranking.shift) {
+                for (x, a) in place.iter_mut().zip(axis) {
+                    *x -= a * along;
+                }
+            }
+        }
+        let last = WINDOWS - 1;
+        let around = self.postures.places.block(place).saturating_sub(WINDOW / 2).min(last);
+        let away = attempt.div_ceil(2) * WINDOW;
+        let beside = if attempt % 2 == 1 { around + away } else { around + WINDOWS - away };
+        if attempt == 0 { around } else { beside % WINDOWS }
     }
 
     /// The posture of a window whose frame comes nearest to the goal.
+    #[inline(always)]
+    fn nearest(&self, window: usize, goal: &Goal<f64>) -> usize {
+        let Ranking { shift, axes, direction: (_, turned), .. } = self.ranking;
+        let (constant, factors) = self.distance(goal);
+        // Rows that do not count are not read.
+        if shift != [0.0; 3] {
+            self.search::<FEATURES>(window, constant, &factors)
+        } else if axes > 0.0 || turned > 0.0 {
+            self.search::<13>(window, constant, &factors)
+        } else {
+            self.search::<4>(window, constant, &factors)
+        }
+    }
+
+    /// The squared distance between a goal and a posture's frame as a linear function of
+    /// the table's rows: its constant term and its factors.
+    #[inline(always)]
+    fn distance(&self, goal: &Goal<f64>) -> (f32, [f32; FEATURES]) {
+        let Ranking { shift, axes, direction: (along, turned), .. } = self.ranking;
+        let middle = self.postures.places.middle;
+        let p = [0, 1, 2].map(|k| goal.position[k] - middle[k]);
+        let mut factors = [0.0; FEATURES];
+        factors[0] = 1.0;
+        for k in 0..3 {
+            factors[1 + k] = (-2.0 * p[k]) as f32;
+            for j in 0..3 {
+                // |a - b|^2 of unit vectors is 2 - 2 a.b, and for small angles their angle
+                // squared; three axes count each rotation twice.
+                let wanted = axes * goal.axes[j][k] + 2.0 * turned * along[j] * goal.axes[2][k];
+                factors[4 + 3 * j + k] = (-wanted - 2.0 * shift[j] * p[k]) as f32;
+            }
+            factors[13 + k] = (2.0 * shift[k]) as f32;
+        }
+        let constant = dot(p, p) + dot(shift, shift) + 3.0 * axes + 2.0 * turned;
+        (constant as f32, factors)
+    }
+
+    /// The posture of least distance in a window, by the table's first `N` rows.
     ///
     /// Every operation is a single-precision one that no instruction set fuses, so that the
-    /// choice is the same at every SIMD level. One plain pass over the window a term: such
-    /// loops become vector instructions whatever they are inlined into.
+    /// choice is the same at every SIMD level. Loops over a block, without choices, become
+    /// vector instructions whatever they are inlined into.
     #[inline(always)]
-    fn nearest(&self, first: usize, goal: &Goal<f64>) -> usize {
-        let row = |row: usize| window(&self.postures.frames[row][first..]);
-        let Ranking { point, axes: weight, direction: (along, direction_weight) } = self.ranking;
-        // |a - b|^2 of unit vectors is 2 - 2 a.b, and for small angles their angle squared;
-        // three axes count each rotation twice. What is the same for all postures is left
-        // out, and what remains is linear in the axes.
-        let mut distance = [0.0f32; WINDOW];
-        for j in 0..3 {
-            for k in 0..3 {
-                let wanted = weight * goal.axes[j][k] as f32
-                    + 2.0 * direction_weight * along[j] * goal.axes[2][k] as f32;
-                add_product(&mut distance, row(3 + 3 * j + k), -wanted);
+    fn search<const N: usize>(
+        &self,
+        window: usize,
+        constant: f32,
+        factors: &[f32; FEATURES],
+    ) -> usize {
+        let mut least = [f32::INFINITY; BLOCK];
+        let blocks = &self.postures.blocks[window..window + WINDOW];
+        for (b, block) in blocks.iter().enumerate() {
+            let mut distance = [constant; BLOCK];
+            for (row, factor) in block[..N].iter().zip(factors) {
+                for (d, x) in distance.iter_mut().zip(row) {
+                    *d += factor * x;
+                }
+            }
+            for (i, (l, d)) in least.iter_mut().zip(&distance).enumerate() {
+                // The number rides along, so that no second pass has to look for it.
+                let d = f32::from_bits(d.to_bits() & !NUMBER | (b * BLOCK + i) as u32);
+                *l = if d < *l { d } else { *l };
             }
         }
-        for k in 0..3 {
-            let mut way = [-goal.position[k] as f32; WINDOW];
-            add_product(&mut way, row(k), 1.0);
-            for (j, along) in point.iter().enumerate() {
-                add_product(&mut way, row(3 + 3 * j + k), *along);
-            }
-            for (d, w) in distance.iter_mut().zip(&way) {
-                *d += w * w;
-            }
-        }
-        first + least(&distance)
+        let least = least.iter().fold(f32::INFINITY, |a, b| if *b < a { *b } else { a });
+        window * BLOCK + (least.to_bits() & NUMBER) as usize
     }
-}
-
-/// The first numbers of a column of the table.
-#[inline(always)]
-fn window(column: &[f32]) -> &[f32; WINDOW] {
-    match column.first_chunk() {
-        Some(window) => window,
-        // The first posture of a window leaves room for all of it.
-        None => &[0.0; WINDOW],
-    }
-}
-
-/// `sum += column * factor`
-#[inline(always)]
-fn add_product(sum: &mut [f32; WINDOW], column: &[f32; WINDOW], factor: f32) {
-    for (s, x) in sum.iter_mut().zip(column) {
-        *s += x * factor;
-    }
-}
-
-/// Index of the least number, the first of equals.
-#[inline(always)]
-fn least(numbers: &[f32; WINDOW]) -> usize {
-    let mut least = [f32::INFINITY; STRIDE];
-    for group in numbers.as_chunks::<STRIDE>().0 {
-        for (l, x) in least.iter_mut().zip(group) {
-            *l = if *x < *l { *x } else { *l };
-        }
-    }
-    let least = least.iter().fold(f32::INFINITY, |a, b| if *b < a { *b } else { a });
-    numbers.iter().position(|x| *x == least).unwrap_or(0)
 }
 
 /// Lower end and width per joint value; continuous joints sample [-pi, pi].
@@ -149,21 +187,37 @@ fn ranges(chain: &Chain) -> Vec<(f64, f64)> {
 
 /// A table of uniform random postures and their frames.
 fn sample_postures(chain: &Chain) -> Postures {
+    let dof = chain.dof();
+    let ranges = ranges(chain);
     let mut stream = Xoshiro256PlusPlus::seed_from_u64(TABLE_SEED);
-    let mut workspace = Workspace::<f64>::new(chain.compiled());
-    let mut q = vec![0.0; chain.dof()];
-    let mut postures = Postures { ranges: ranges(chain), ..Postures::default() };
-    for _ in 0..TABLE {
-        draw(&mut stream, &postures.ranges, &mut q);
-        forward(chain.compiled(), &q, &mut workspace);
-        postures.q.extend_from_slice(&q);
-        let axes = workspace.joint_axes();
-        let numbers = workspace.tool_point([0.0; 3]).into_iter().chain(axes.into_iter().flatten());
-        for (column, x) in postures.frames.iter_mut().zip(numbers) {
-            column.push(x as f32);
+    let mut q = vec![0.0; TABLE * dof];
+    for posture in q.chunks_exact_mut(dof) {
+        draw(&mut stream, &ranges, posture);
+    }
+    let mut poses = vec![0.0; TABLE * 16];
+    tool_poses(chain, &q, &mut poses);
+    let tail = &chain.compiled().tail;
+    let frames: Vec<Goal<f64>> =
+        poses.as_chunks().0.iter().map(pose_parts).map(|(p, r)| pose_goal(p, r, tail)).collect();
+    let points: Vec<[f64; 3]> = frames.iter().map(|frame| frame.position).collect();
+    let (places, order) = Places::new(&points);
+
+    let mut blocks = vec![[[0.0; BLOCK]; FEATURES]; TABLE / BLOCK];
+    let mut sorted = Vec::with_capacity(q.len());
+    for (at, i) in order.into_iter().enumerate() {
+        sorted.extend(q[i * dof..(i + 1) * dof].iter().map(|x| *x as f32));
+        let Goal { position, axes } = frames[i];
+        let p = [0, 1, 2].map(|k| position[k] - places.middle[k]);
+        let features = [dot(p, p)]
+            .into_iter()
+            .chain(p)
+            .chain(axes.into_iter().flatten())
+            .chain(axes.map(|axis| dot(axis, p)));
+        for (row, x) in blocks[at / BLOCK].iter_mut().zip(features) {
+            row[at % BLOCK] = x as f32;
         }
     }
-    postures
+    Postures { ranges, q: sorted, blocks, places }
 }
 
 fn draw(stream: &mut Xoshiro256PlusPlus, ranges: &[(f64, f64)], q: &mut [f64]) {

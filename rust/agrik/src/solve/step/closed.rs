@@ -10,7 +10,7 @@ const SINGULAR: f64 = 1e-14;
 /// `J^T (J J^T)^-1 e`; no change where `J J^T` is singular.
 #[inline(always)]
 pub(super) fn step<R: Real, const M: usize>(columns: &[[R; M]], error: &[R; M], change: &mut [R]) {
-    let a = gram(columns);
+    let mut a = gram(columns);
     let mut trace = a[0][0];
     for (i, row) in a.iter().enumerate().skip(1) {
         trace += row[i];
@@ -30,7 +30,7 @@ pub(super) fn step<R: Real, const M: usize>(columns: &[[R; M]], error: &[R; M], 
         }
     }
     let regular = R::splat(SINGULAR).lt(determinant.abs());
-    let y = solve_spd(a, *error, R::splat(1e-300));
+    let y = solve_spd(&mut a, *error, R::splat(1e-300));
     for (dq, column) in change.iter_mut().zip(columns) {
         *dq = R::select(regular, dot(column, &y), R::zero());
     }

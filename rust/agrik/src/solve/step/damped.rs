@@ -16,7 +16,7 @@ pub(super) fn step<R: Real, const M: usize>(
     for (i, row) in a.iter_mut().enumerate() {
         row[i] += added;
     }
-    let y = solve_spd(a, *error, R::splat(1e-14));
+    let y = solve_spd(&mut a, *error, R::splat(1e-14));
     for (dq, column) in change.iter_mut().zip(columns) {
         *dq = dot(column, &y);
     }

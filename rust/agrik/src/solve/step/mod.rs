@@ -320,11 +320,21 @@ pub(super) fn dot<R: Real, const M: usize>(column: &[R; M], v: &[R; M]) -> R {
 }
 
 /// Lower triangle of `J J^T`.
+///
+/// In two passes over the columns: the sums of all rows at once would not fit the registers.
 #[inline(always)]
 fn gram<R: Real, const M: usize>(columns: &[[R; M]]) -> [[R; M]; M] {
     let mut a = [[R::zero(); M]; M];
+    let half = M.min(4);
     for c in columns {
-        for i in 0..M {
+        for i in 0..half {
+            for k in 0..=i {
+                a[i][k] = c[i].mul_add(c[k], a[i][k]);
+            }
+        }
+    }
+    for c in columns {
+        for i in half..M {
             for k in 0..=i {
                 a[i][k] = c[i].mul_add(c[k], a[i][k]);
             }
