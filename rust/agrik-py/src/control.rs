@@ -84,7 +84,7 @@ impl TargetSolver {
         target: &Bound<'_, PyAny>,
         q0: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<bool> {
-        let target = Targets::new(target)?;
+        let target = Targets::new(target, 1)?;
         if !target.leading_shape().is_empty() {
             let shape = target.leading_shape();
             return Err(wrong_shape(py, "target", shape, "(4, 4) or (3,), a single target"));
@@ -104,7 +104,7 @@ impl TargetSolver {
         let point;
         let goals = if target.are_poses() {
             let poses: &[[f64; 16]] = values.as_chunks().0;
-            if let Some(row) = first_not_rigid(poses) {
+            if let Some(row) = first_not_rigid(poses, 1) {
                 return Err(not_rigid_error(py, &[], row, &poses[row]));
             }
             match wanted.direction {

@@ -1,6 +1,7 @@
 //! Arguments from Python: arrays of any kind of number, transforms, numbers; and arrays
 //! back to Python.
 
+use agrik::batch;
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3};
 use numpy::ndarray::{ArrayView, Dimension, IntoDimension, IxDyn};
 use numpy::{
@@ -21,19 +22,43 @@ const ROUNDING: f64 = 1e-14;
 /// Arrays of at most this many numbers are handed to Python as copies, which is quicker
 /// than handing over the memory.
 const SMALL: usize = 512;
+/// Numbers that a thread copies at a time.
+const PIECE: usize = 1 << 14;
 
-/// Numbers of an argument as doubles in C order, in an array that nobody else holds: no
-/// other thread can write to it, so it stays valid while the interpreter is released.
-pub struct Floats<'py>(PyReadonlyArrayDyn<'py, f64>);
+/// Numbers of an argument as doubles in C order, in memory that nobody else holds: no other
+/// thread can write to it, so it stays valid while the interpreter is released.
+pub struct Floats<'py> {
+    shape: Vec<usize>,
+    numbers: Private<'py>,
+}
+
+/// Memory of our own, or that of an array that was made for us.
+enum Private<'py> {
+    Copied(Vec<f64>),
+    Converted(PyReadonlyArrayDyn<'py, f64>),
+}
 
 impl<'py> Floats<'py> {
     /// A private copy of the numbers in `value`.
     pub fn new(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        Self::many(argument, value, 1)
+    }
+
+    /// [`Floats::new`] with up to so many threads (0: the number in force), which share the
+    /// copying of a long array; the interpreter is held meanwhile.
+    pub fn many(argument: &str, value: &Bound<'py, PyAny>, threads: usize) -> PyResult<Self> {
         let array = numbers(argument, value)?;
+        let shape = array.shape().to_vec();
+        if let Ok(doubles) = array.cast::<PyArrayDyn<f64>>()
+            && let Ok(view) = doubles.try_readonly()
+            && let Ok(values) = view.as_slice()
+        {
+            return Ok(Self { shape, numbers: Private::Copied(copy(values, threads)) });
+        }
         let double = numpy::dtype::<f64>(value.py());
-        let copy = array.call_method1("astype", (double, "C", "same_kind", false, true))?;
-        let copy = copy.cast_into::<PyArrayDyn<f64>>()?;
-        Ok(Self(copy.try_readonly().map_err(internal)?))
+        let made = array.call_method1("astype", (double, "C", "same_kind", false, true))?;
+        let made = made.cast_into::<PyArrayDyn<f64>>()?;
+        Ok(Self { shape, numbers: Private::Converted(made.try_readonly().map_err(internal)?) })
     }
 
     /// A private copy of numbers whose shape must match.
@@ -47,13 +72,28 @@ impl<'py> Floats<'py> {
 
     /// The lengths of the dimensions.
     pub fn shape(&self) -> &[usize] {
-        self.0.shape()
+        &self.shape
     }
 
     /// All numbers, last dimension fastest.
     pub fn values(&self) -> PyResult<&[f64]> {
-        self.0.as_slice().map_err(internal)
+        match &self.numbers {
+            Private::Copied(values) => Ok(values),
+            Private::Converted(array) => array.as_slice().map_err(internal),
+        }
     }
+}
+
+/// A copy made by several threads: most of its time goes into memory that is touched for
+/// the first time.
+fn copy(values: &[f64], threads: usize) -> Vec<f64> {
+    if values.len() <= PIECE {
+        return values.to_vec();
+    }
+    let mut copied = vec![0.0; values.len()];
+    let pieces = values.chunks(PIECE).zip(copied.chunks_mut(PIECE)).collect();
+    batch::share(pieces, threads, &|(from, to)| to.copy_from_slice(from), &mut || true);
+    copied
 }
 
 /// `value` as a NumPy array of real numbers, converted only if it is none yet.

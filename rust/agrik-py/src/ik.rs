@@ -95,7 +95,12 @@ enum Given<'py> {
 }
 
 impl<'py> Given<'py> {
-    fn new(q0: Option<&Bound<'py, PyAny>>, leading: &[usize], dof: usize) -> PyResult<Self> {
+    fn new(
+        q0: Option<&Bound<'py, PyAny>>,
+        leading: &[usize],
+        dof: usize,
+        threads: usize,
+    ) -> PyResult<Self> {
         static BROADCAST_TO: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
         let Some(q0) = q0 else {
             return Ok(Self::Nothing);
@@ -117,7 +122,7 @@ impl<'py> Given<'py> {
         }
         let broadcast_to = BROADCAST_TO.import(py, "numpy", "broadcast_to")?;
         let full = broadcast_to.call1((&array, &shape)).map_err(|_| refuse())?;
-        Ok(Self::Each(Floats::new("q0", &full)?))
+        Ok(Self::Each(Floats::many("q0", &full, threads)?))
     }
 
     fn starts(&self) -> PyResult<Starts<'_>> {
@@ -138,18 +143,19 @@ pub struct Call<'py> {
 
 impl<'py> Call<'py> {
     pub fn new(py: Python<'py>, chain: &Chain, given: &Arguments<'_, 'py>) -> PyResult<Self> {
-        let targets = Targets::new(given.targets)?;
+        let threads = threads::number(given.threads, "threads")?;
+        let targets = Targets::new(given.targets, threads)?;
         let are_poses = targets.are_poses();
         let options = Options::new(chain, given, are_poses)?;
         let leading = targets.leading_shape();
-        let q0 = Given::new(given.q0, leading, chain.dof())?;
+        let q0 = Given::new(given.q0, leading, chain.dof(), threads)?;
         if are_poses {
             let poses: &[[f64; 16]] = targets.values()?.as_chunks().0;
             // Reading a long batch takes a while, during which others may run.
             let found = if poses.len() > 1 {
-                py.detach(|| first_not_rigid(poses))
+                py.detach(|| first_not_rigid(poses, threads))
             } else {
-                first_not_rigid(poses)
+                first_not_rigid(poses, 1)
             };
             if let Some(row) = found {
                 return Err(not_rigid_error(py, leading, row, &poses[row]));

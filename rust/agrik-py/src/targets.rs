@@ -1,5 +1,8 @@
 //! Targets: points or poses of any leading shape, copied once, poses checked.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use agrik::batch;
 use agrik::solve::Goals;
 use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -8,6 +11,9 @@ use crate::convert::{
     Floats, RIGID_TRANSFORM, is_rigid, numbers, shape_text, why_not_rigid, wrong_shape,
 };
 use crate::errors;
+
+/// Poses that a thread looks at in one go.
+const PIECE: usize = 1024;
 
 const EXPECTED: &str = "(..., 4, 4) for poses or (..., 3) for positions";
 
@@ -22,15 +28,15 @@ pub enum Targets<'py> {
 }
 
 impl<'py> Targets<'py> {
-    /// Copies the targets; their kind follows from their shape.
-    pub fn new(value: &Bound<'py, PyAny>) -> PyResult<Self> {
+    /// Copies the targets, on up to so many threads; their kind follows from their shape.
+    pub fn new(value: &Bound<'py, PyAny>, threads: usize) -> PyResult<Self> {
         if let Some(pose) = lone_pose(value) {
             return Ok(Self::Lone(pose));
         }
         let array = numbers("targets", value)?;
         match array.shape() {
-            [.., 4, 4] => Ok(Self::Poses(Floats::new("targets", array.as_any())?)),
-            [.., 3] => Ok(Self::Points(Floats::new("targets", array.as_any())?)),
+            [.., 4, 4] => Ok(Self::Poses(Floats::many("targets", array.as_any(), threads)?)),
+            [.., 3] => Ok(Self::Points(Floats::many("targets", array.as_any(), threads)?)),
             other => Err(wrong_shape(value.py(), "targets", other, EXPECTED)),
         }
     }
@@ -92,10 +98,24 @@ pub fn goals<'a>(
     Goals::Positions { points, direction }
 }
 
-/// The first pose that is finite, yet not a rigid transform.
-pub fn first_not_rigid(poses: &[[f64; 16]]) -> Option<usize> {
+/// The first pose that is finite, yet not a rigid transform, looked for by several threads.
+pub fn first_not_rigid(poses: &[[f64; 16]], threads: usize) -> Option<usize> {
     // NaN and infinity are never rigid, so most poses are read once.
-    poses.iter().position(|m| !is_rigid(m) && m.iter().all(|x| x.is_finite()))
+    let in_piece = |piece: &[[f64; 16]]| {
+        piece.iter().position(|m| !is_rigid(m) && m.iter().all(|x| x.is_finite()))
+    };
+    if poses.len() <= PIECE {
+        return in_piece(poses);
+    }
+    let first = AtomicUsize::new(usize::MAX);
+    let pieces = poses.chunks(PIECE).enumerate().collect();
+    let look = |(i, piece): (usize, &[[f64; 16]])| {
+        if let Some(row) = in_piece(piece) {
+            first.fetch_min(i * PIECE + row, Ordering::Relaxed);
+        }
+    };
+    batch::share(pieces, threads, &look, &mut || true);
+    Some(first.into_inner()).filter(|row| *row < poses.len())
 }
 
 /// The exception for a pose that is no rigid transform.

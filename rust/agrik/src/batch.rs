@@ -60,9 +60,9 @@ pub fn solve_into(
     if finished { Ok(()) } else { Err(Error::Interrupted) }
 }
 
-/// Hands runs of rows to `work` on `threads` threads (0: the number in force); false
+/// Hands pieces of work to `work` on `threads` threads (0: the number in force); false
 /// where `poll`, asked now and then on the calling thread, said to stop.
-pub(crate) fn share<T: Send>(
+pub fn share<T: Send>(
     mut runs: Vec<T>,
     threads: usize,
     work: &(dyn Fn(T) + Sync),

@@ -8,8 +8,9 @@ pub const FEATURES: usize = 16;
 const BITS: u32 = 4;
 const CELLS: usize = 1 << (3 * BITS);
 
-/// A table of joint values and of the frames they lead to, in the order of a curve through
-/// space: postures whose tool points are near one another are mostly neighbours.
+/// A table of joint values and of the frames they lead to. Its first part is in the order
+/// of a curve through space: postures whose tool points are near one another are mostly
+/// neighbours. The rest is in no order.
 ///
 /// Numbers are in single precision: they only rank and give starts, and half the bytes
 /// double the rate at which the table is searched.
@@ -23,7 +24,7 @@ pub struct Postures {
     /// `p` (3 rows), the axes x, y and z of the last joint's frame (3 rows each), `p` along
     /// these axes (3 rows); `p` is the tool point seen from [`Places::middle`].
     pub blocks: Vec<[[f32; BLOCK]; FEATURES]>,
-    /// Where in the table a place is.
+    /// Where in the first part of the table a place is.
     pub places: Places,
 }
 

@@ -1,5 +1,5 @@
 //! Start points: of the sampled postures around a target, the one that comes nearest to
-//! it; for later attempts from farther away, and now and then anywhere.
+//! it; for later attempts the nearest of a few from everywhere, and now and then any.
 
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
@@ -9,19 +9,19 @@ use crate::kinematics::tool_poses;
 use crate::lanes::dot;
 use crate::task::{Goal, pose_goal, pose_parts};
 
-/// Postures in a chain's table.
-const TABLE: usize = 8192;
+/// Postures in the part of a chain's table that is sorted by place, and in the part that
+/// is left in the order in which they were drawn, so that its windows hold all places.
+const SORTED: usize = 8192;
+const SCATTERED: usize = 4096;
 /// Seed of the table: the same for every call, since calls choose windows of it.
 const TABLE_SEED: u64 = 0x6167_7269_6b00_0001;
 /// Blocks of postures compared for one start.
 const WINDOW: usize = 4;
-/// The windows of a table.
-const WINDOWS: usize = TABLE / BLOCK - WINDOW + 1;
-/// Attempts that search windows around the target, each another one, before windows are
-/// taken from all of the table.
-const NEARBY: u32 = 6;
-/// Every so many attempts one starts anywhere, so that no start is out of the question.
-const ANYWHERE: u32 = 8;
+/// Attempts that search the windows around the target, each another one.
+const NEARBY: u32 = 4;
+/// Every so many attempts after these one starts anywhere, so that no start is out of the
+/// question.
+const ANYWHERE: u32 = 3;
 /// Low bits of a distance that give way to the posture's number in its window.
 const NUMBER: u32 = (WINDOW * BLOCK - 1) as u32;
 
@@ -37,6 +37,11 @@ pub(super) struct Ranking {
     /// A direction in the last joint's frame that has to meet the goal's z axis, with its
     /// squared length per radian, m^2; zero leaves it out.
     pub direction: ([f64; 3], f64),
+}
+
+/// The windows of a part of the table.
+const fn windows(postures: usize) -> usize {
+    postures / BLOCK - WINDOW + 1
 }
 
 /// Draws starts. A target's starts depend on the seed, the target and its index, and the
@@ -65,15 +70,15 @@ impl<'a> Sampler<'a> {
     /// The start of attempt `attempt` at target `row`.
     #[inline(always)]
     pub fn sample(&self, row: usize, attempt: u32, goal: &Goal<f64>, q: &mut [f64]) {
-        if attempt % ANYWHERE == ANYWHERE - 1 {
+        let window = if self.ranking.placed && attempt < NEARBY {
+            self.window_near(goal, attempt as usize)
+        } else if attempt % ANYWHERE == ANYWHERE - 1 {
             let mut stream = Xoshiro256PlusPlus::seed_from_u64(self.key(row, attempt));
             draw(&mut stream, &self.postures.ranges, q);
             return;
-        }
-        let window = if self.ranking.placed && attempt < NEARBY {
-            self.window_near(goal, attempt as usize)
         } else {
-            ((u128::from(self.key(row, attempt)) * WINDOWS as u128) >> 64) as usize
+            let drawn = u128::from(self.key(row, attempt)) * windows(SCATTERED) as u128;
+            SORTED / BLOCK + (drawn >> 64) as usize
         };
         let dof = q.len();
         let best = self.nearest(window, goal);
@@ -95,11 +100,11 @@ impl<'a> Sampler<'a> {
                 }
             }
         }
-        let last = WINDOWS - 1;
-        let around = self.postures.places.block(place).saturating_sub(WINDOW / 2).min(last);
+        let windows = windows(SORTED);
+        let around = self.postures.places.block(place).saturating_sub(WINDOW / 2).min(windows - 1);
         let away = attempt.div_ceil(2) * WINDOW;
-        let beside = if attempt % 2 == 1 { around + away } else { around + WINDOWS - away };
-        if attempt == 0 { around } else { beside % WINDOWS }
+        let beside = if attempt % 2 == 1 { around + away } else { around + windows - away };
+        beside % windows
     }
 
     /// The posture of a window whose frame comes nearest to the goal.
@@ -190,22 +195,22 @@ fn sample_postures(chain: &Chain) -> Postures {
     let dof = chain.dof();
     let ranges = ranges(chain);
     let mut stream = Xoshiro256PlusPlus::seed_from_u64(TABLE_SEED);
-    let mut q = vec![0.0; TABLE * dof];
+    let mut q = vec![0.0; (SORTED + SCATTERED) * dof];
     for posture in q.chunks_exact_mut(dof) {
         draw(&mut stream, &ranges, posture);
     }
-    let mut poses = vec![0.0; TABLE * 16];
+    let mut poses = vec![0.0; (SORTED + SCATTERED) * 16];
     tool_poses(chain, &q, &mut poses);
     let tail = &chain.compiled().tail;
     let frames: Vec<Goal<f64>> =
         poses.as_chunks().0.iter().map(pose_parts).map(|(p, r)| pose_goal(p, r, tail)).collect();
-    let points: Vec<[f64; 3]> = frames.iter().map(|frame| frame.position).collect();
+    let points: Vec<[f64; 3]> = frames[..SORTED].iter().map(|frame| frame.position).collect();
     let (places, order) = Places::new(&points);
 
-    let mut blocks = vec![[[0.0; BLOCK]; FEATURES]; TABLE / BLOCK];
-    let mut sorted = Vec::with_capacity(q.len());
-    for (at, i) in order.into_iter().enumerate() {
-        sorted.extend(q[i * dof..(i + 1) * dof].iter().map(|x| *x as f32));
+    let mut blocks = vec![[[0.0; BLOCK]; FEATURES]; (SORTED + SCATTERED) / BLOCK];
+    let mut ordered = Vec::with_capacity(q.len());
+    for (at, i) in order.into_iter().chain(SORTED..SORTED + SCATTERED).enumerate() {
+        ordered.extend(q[i * dof..(i + 1) * dof].iter().map(|x| *x as f32));
         let Goal { position, axes } = frames[i];
         let p = [0, 1, 2].map(|k| position[k] - places.middle[k]);
         let features = [dot(p, p)]
@@ -217,7 +222,7 @@ fn sample_postures(chain: &Chain) -> Postures {
             row[at % BLOCK] = x as f32;
         }
     }
-    Postures { ranges, q: sorted, blocks, places }
+    Postures { ranges, q: ordered, blocks, places }
 }
 
 fn draw(stream: &mut Xoshiro256PlusPlus, ranges: &[(f64, f64)], q: &mut [f64]) {
