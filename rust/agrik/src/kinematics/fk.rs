@@ -2,7 +2,7 @@
 
 use smallvec::{SmallVec, smallvec};
 
-use crate::chain::{Compiled, Twist};
+use crate::chain::{Compiled, Link, Twist};
 use crate::lanes::{Real, V3, axpy, blend, cross, dot, negate, scale, splat3, sub};
 
 /// One entry per joint, on the stack up to 16 of them: a call for one target then
@@ -40,6 +40,8 @@ impl<R: Real> Axis<R> {
 pub struct Workspace<R> {
     /// One entry per moving joint, filled by [`forward`].
     pub axes: PerJoint<Axis<R>>,
+    /// Sine and cosine of each joint's angle.
+    turns: PerJoint<[R; 2]>,
     x: V3<R>,
     y: V3<R>,
     z: V3<R>,
@@ -51,7 +53,9 @@ impl<R: Real> Workspace<R> {
     pub fn new(chain: &Compiled) -> Self {
         let zero = [R::zero(); 3];
         let axis = Axis { origin: zero, direction: zero };
-        Self { axes: smallvec![axis; chain.links.len()], x: zero, y: zero, z: zero, position: zero }
+        let joints = chain.links.len();
+        let turns = smallvec![[R::zero(); 2]; joints];
+        Self { axes: smallvec![axis; joints], turns, x: zero, y: zero, z: zero, position: zero }
     }
 
     /// A point given in the frame of the last moved joint, in the world.
@@ -113,32 +117,42 @@ pub fn forward_frame<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspa
     pass::<R, false>(chain, q, workspace);
 }
 
+/// The value that moves a joint, rad or m.
+#[inline(always)]
+fn value_of<R: Real>(chain: &Compiled, link: &Link, q: &[R]) -> R {
+    let value = q[link.variable];
+    if chain.simple { value } else { value * R::splat(link.multiplier) }
+}
+
 #[inline(always)]
 fn pass<R: Real, const AXES: bool>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
+    // Sines and cosines first: beside the twelve numbers of a frame they would not fit the
+    // registers, and here they do not wait for one another.
+    for (link, turn) in chain.links.iter().zip(&mut workspace.turns) {
+        let (s, c) = if link.prismatic {
+            let (s, c) = link.theta_sin_cos;
+            (R::splat(s), R::splat(c))
+        } else {
+            (value_of(chain, link, q) + R::splat(link.theta)).sin_cos()
+        };
+        *turn = [s, c];
+    }
     let start = &chain.start_rotation;
     let (mut x, mut y, mut z) =
         (splat3::<R>(start[0]), splat3::<R>(start[1]), splat3::<R>(start[2]));
     let mut p = splat3::<R>(chain.start_position);
-    for (link, axis) in chain.links.iter().zip(&mut workspace.axes) {
+    let joints = chain.links.iter().zip(&mut workspace.axes).zip(&workspace.turns);
+    for ((link, axis), [s, c]) in joints {
+        let (s, c) = (*s, *c);
         if AXES {
             *axis = Axis { origin: p, direction: z };
         }
-        let value = if chain.simple {
-            q[link.variable]
-        } else {
-            q[link.variable] * R::splat(link.multiplier)
-        };
-        let (s, c, along) = if link.prismatic {
-            let (s, c) = link.theta_sin_cos;
-            (R::splat(s), R::splat(c), value + R::splat(link.d))
-        } else {
-            let (s, c) = (value + R::splat(link.theta)).sin_cos();
-            (s, c, R::splat(link.d))
-        };
         (x, y) = (blend(x, c, y, s), blend(y, c, x, -s));
         // Asked of the bits, which costs less than asking of the numbers.
-        if link.prismatic || link.d.to_bits() != 0 {
-            p = axpy(z, along, p);
+        if link.prismatic {
+            p = axpy(z, value_of(chain, link, q) + R::splat(link.d), p);
+        } else if link.d.to_bits() != 0 {
+            p = axpy(z, R::splat(link.d), p);
         }
         if link.a.to_bits() != 0 {
             p = axpy(x, R::splat(link.a), p);

@@ -213,11 +213,26 @@ fn sample_postures(chain: &Chain) -> Postures {
         ordered.extend(q[i * dof..(i + 1) * dof].iter().map(|x| *x as f32));
         let Goal { position, axes } = frames[i];
         let p = [0, 1, 2].map(|k| position[k] - places.middle[k]);
-        let features = [dot(p, p)]
-            .into_iter()
-            .chain(p)
-            .chain(axes.into_iter().flatten())
-            .chain(axes.map(|axis| dot(axis, p)));
+        let [x, y, z] = axes;
+        let along = axes.map(|axis| dot(axis, p));
+        let features: [f64; FEATURES] = [
+            dot(p, p),
+            p[0],
+            p[1],
+            p[2],
+            x[0],
+            x[1],
+            x[2],
+            y[0],
+            y[1],
+            y[2],
+            z[0],
+            z[1],
+            z[2],
+            along[0],
+            along[1],
+            along[2],
+        ];
         for (row, x) in blocks[at / BLOCK].iter_mut().zip(features) {
             row[at % BLOCK] = x as f32;
         }
