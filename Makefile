@@ -45,7 +45,7 @@ bench: build $(VENV)/.dev ## criterion benches of the core, then this library be
 callgrind: $(VENV)/.pip ## instructions per solve against the committed numbers (needs valgrind)
 	$(PY) benches/instructions.py
 
-aarch64: ## the core's tests for aarch64 under an emulator; answers compared with this machine's
+aarch64: ## the core's tests for aarch64 under an emulator (sets itself up on Debian as root)
 	.ci/aarch64
 
 sanitize: ## the core's lanes and batches under AddressSanitizer

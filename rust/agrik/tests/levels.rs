@@ -126,18 +126,6 @@ fn assert_identical(one: &Answers, other: &Answers, what: &str) {
     }
 }
 
-/// Takes the bits of all answers into a fingerprint (FNV-1a).
-fn add_to_fingerprint(fingerprint: &mut u64, answers: &Answers) {
-    let floats = [&answers.q, &answers.position_error, &answers.orientation_error];
-    let bits = floats.into_iter().flatten().map(|x| x.to_bits());
-    let counts = answers.iterations.iter().chain(&answers.restarts).map(|n| u64::from(*n));
-    for word in bits.chain(counts).chain(answers.status.iter().map(|s| u64::from(*s))) {
-        for byte in word.to_le_bytes() {
-            *fingerprint = (*fingerprint ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    }
-}
-
 /// Gains stand on fixed axes, and coordinate descent turns towards points alone.
 fn suits(settings: &Settings, task: Task) -> bool {
     match task {
@@ -177,11 +165,9 @@ fn for_all_calls(mut check: impl FnMut(&Call<'_>, &str)) {
 fn levels_that_fuse_agree_bit_for_bit_and_with_lone_targets() {
     let fused: Vec<Level> =
         available().into_iter().filter(|level| *level != Level::Scalar).collect();
-    let mut fingerprint = 0xcbf2_9ce4_8422_2325;
     for_all_calls(|call, what| {
         let Some((first, others)) = fused.split_first() else { return };
         let answers = call.whole(*first);
-        add_to_fingerprint(&mut fingerprint, &answers);
         for level in others {
             assert_identical(&answers, &call.whole(*level), &format!("{what}, {level:?}"));
         }
@@ -191,10 +177,6 @@ fn levels_that_fuse_agree_bit_for_bit_and_with_lone_targets() {
             assert_identical(&answers, &lone, &format!("{what}, {level:?} by {size}"));
         }
     });
-    // What `.ci/aarch64` compares between two kinds of processor.
-    if !fused.is_empty() {
-        println!("fingerprint of all answers: {fingerprint:016x}");
-    }
 }
 
 #[test]
