@@ -18,7 +18,7 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help run test lint format bench callgrind wheel docs clean build oracle \
+.PHONY: help run test lint format bench callgrind aarch64 sanitize miri wheel docs clean build oracle \
 	rust-lint rust-test python-lint python-test
 
 help: ## say what every target does
@@ -44,6 +44,15 @@ bench: build $(VENV)/.dev ## criterion benches of the core, then this library be
 
 callgrind: $(VENV)/.pip ## instructions per solve against the committed numbers (needs valgrind)
 	$(PY) benches/instructions.py
+
+aarch64: ## the core's tests for aarch64 under an emulator (sets itself up on Debian as root)
+	.ci/aarch64
+
+sanitize: ## the core's lanes and batches under AddressSanitizer
+	.ci/sanitize
+
+miri: ## the lane types under Miri (needs a nightly toolchain with the component)
+	.ci/miri
 
 wheel: $(VENV)/.build ## the wheel for this platform, in target/wheels
 	rm -rf $(WHEELS)

@@ -8,6 +8,7 @@ import os
 import re
 import subprocess
 import sys
+from array import array
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ import pytest
 
 import agrik_fast as ik
 from agrik_fast import _native as native
-from machine_code import assert_holds_fast_path, count_fused
+from machine_code import assert_holds_fast_path, count_fused, count_fused_neon
 
 TESTS = Path(__file__).parent
 NAMES = ("scalar", "avx2", "avx512", "neon")
@@ -135,8 +136,12 @@ def test_the_counting_itself() -> None:
     zmm = bytes.fromhex("62f2edc8b8c3 62d2fd4898c1")
     ymm = bytes.fromhex("c4e2edb8c3 c4c2fd98c1")
     # The same on scalars (sd), on single precision (W = 0), and on 128 bits (xmm).
-    others = bytes.fromhex("c4e2edb9c3 62f26d48b8c3 c4e26db8c3 c4e2e9b8c3 62f2ed08b8c3")
-    assert count_fused(zmm + others + ymm) == (1 + 1, 1 + 1)
+    other = bytes.fromhex("c4e2edb9c3 62f26d48b8c3 c4e26db8c3 c4e2e9b8c3 62f2ed08b8c3")
+    assert count_fused(zmm + other + ymm) == (1 + 1, 1 + 1)
+    fused = array("I", [0x4E62CC20, 0x4EFDCFDF, 0x4FC91907, 0x4FD35107])
+    # On single precision, on one double, and operations that are not fused.
+    others = array("I", [0x4E22CC20, 0x4FA91107, 0x1F420C20, 0x5FC91907, 0x4E62D420, 0x4FC99907])
+    assert count_fused_neon((fused + others).tobytes() + b"\0") == 4
 
 
 def test_the_fast_path_is_in_the_module() -> None:

@@ -311,7 +311,8 @@ class Branches:
 class TargetSolver:
     """A solver for one target at a time, from `Robot.solver`.
 
-    Each call overwrites the values of the one before and allocates no memory.
+    Each call overwrites the values of the one before and, but for the feedback laws with
+    matrices, allocates no memory after the first.
     """
 
     def solve(self, target: ArrayLike, q0: ArrayLike | None = None) -> bool:

@@ -208,6 +208,8 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
 
 
 def _joined(pieces: list[ResultChunk]) -> ResultChunk:
+    if len(pieces) == 1:
+        return pieces[0]
     names = ResultChunk.__dataclass_fields__
     return ResultChunk(
         **{name: np.concatenate([getattr(piece, name) for piece in pieces]) for name in names}

@@ -74,7 +74,8 @@ class NpyWriter(ResultWriter):
         if self.layout.text_ids:
             self._gathered.append(rows)
         else:
-            self._file.stream.write(rows.tobytes())
+            # The bytes as they lie, without a copy.
+            self._file.stream.write(rows.view(np.uint8).data)
         self._count += len(chunk)
 
     def _finish(self) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,8 @@ Array = NDArray[np.float64]
 QUATERNION_LENGTH_TOLERANCE = 1e-3
 # Entries of R^T R - I: loose enough for float32 files, tight enough to catch scale or shear.
 RIGID_TOLERANCE = 1e-5
+# Poses checked at a time; their entries and what is made of them stay in a core's cache.
+ROWS_IN_CACHE = 4096
 
 
 def from_quaternion(xyzw: Array) -> Array:
@@ -95,11 +99,37 @@ def transforms(position: Array, rotation: Array) -> Array:
 
 def blank_non_rigid(pose: Array) -> Array:
     """Return the (n, 4, 4) poses with NaN in place of those that are no rigid transform."""
-    finite = np.asarray(np.isfinite(pose).all(axis=(1, 2)))
-    checked = np.where(finite[:, None, None], pose, np.eye(4))
-    rotation = checked[:, :3, :3]
-    gram = np.swapaxes(rotation, 1, 2) @ rotation
-    bad = np.abs(gram - np.eye(3)).max(axis=(1, 2), initial=0.0) > RIGID_TOLERANCE
-    bad |= np.linalg.det(rotation) < 0.0
-    bad |= (np.abs(checked[:, 3, :] - [0.0, 0.0, 0.0, 1.0]) > RIGID_TOLERANCE).any(axis=1)
+    bad = np.empty(len(pose), dtype=np.bool_)
+    for first in range(0, len(pose), ROWS_IN_CACHE):
+        rows = slice(first, first + ROWS_IN_CACHE)
+        bad[rows] = ~_are_rigid(pose[rows])
+    if not bad.any():
+        return pose
     return np.where(bad[:, None, None], np.nan, pose)
+
+
+def _are_rigid(pose: Array) -> NDArray[np.bool_]:
+    # One long row for each of the sixteen entries: NumPy's operations on many small
+    # matrices cost several times what solving a pose does.
+    entries = np.ascontiguousarray(pose.reshape(-1, 16).T)
+    x, y, z = (entries[k:12:4] for k in range(3))
+    with np.errstate(invalid="ignore", over="ignore"):
+        off = [np.abs(_dot(a, b)) for a, b in ((x, y), (y, z), (z, x))]
+        off += [np.abs(_dot(a, a) - 1.0) for a in (x, y, z)]
+        off += [np.abs(entries[k] - (k == 15)) for k in range(12, 16)]
+        # What is no number is not within the tolerance either.
+        within = [distance <= RIGID_TOLERANCE for distance in off]
+        rigid: NDArray[np.bool_] = np.logical_and.reduce(within)
+        cross = (
+            x[1] * y[2] - x[2] * y[1],
+            x[2] * y[0] - x[0] * y[2],
+            x[0] * y[1] - x[1] * y[0],
+        )
+        rigid &= _dot(cross, z) > 0.0
+    rigid &= np.isfinite(entries[3:12:4]).all(axis=0)
+    return rigid
+
+
+def _dot(a: Sequence[Array] | Array, b: Array) -> Array:
+    product: Array = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return product

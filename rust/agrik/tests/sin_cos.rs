@@ -1,6 +1,6 @@
 //! Sine and cosine of every number type, against values worked out with 60 digits.
 
-use agrik::lanes::{Kernel, Level, Pack, Real, dispatch, dispatch_single};
+use agrik::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
 
 /// Made by `tests/data/make_sin_cos.py`: x, then sine and cosine as sums of two doubles.
 const GOLDEN: &str = include_str!("../../../tests/data/sin_cos.txt");
@@ -67,8 +67,6 @@ fn sine_and_cosine_are_within_two_ulps_in_every_number_type() {
     assert!(rows.len() > 1000);
     assert!(rows.iter().any(|row| row.x == 1e4) && rows.iter().any(|row| row.x == -1e4));
     check("f64", &rows, &SinCos(&rows).run::<f64>());
-    check("Pack<4>", &rows, &SinCos(&rows).run::<Pack<4>>());
-    check("Pack<8>", &rows, &SinCos(&rows).run::<Pack<8>>());
     for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
         check(level.name(), &rows, &dispatch(level, SinCos(&rows)));
         let single = dispatch_single(level, SinCos(&rows));

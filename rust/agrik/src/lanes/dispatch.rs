@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::Real;
-#[cfg(target_arch = "x86_64")]
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 use super::scalar::Fused;
 
 /// Environment variable that forces a level: `scalar`, `avx2`, `avx512` or `neon`.
@@ -104,7 +104,7 @@ pub fn dispatch<K: Kernel>(level: Level, kernel: K) -> K::Output {
             unsafe { with_avx2(kernel) }
         }
         #[cfg(target_arch = "aarch64")]
-        Level::Neon => kernel.run::<super::Pack<4>>(),
+        Level::Neon => kernel.run::<super::neon::F64x4>(),
         _ => kernel.run::<f64>(),
     }
 }
@@ -119,7 +119,7 @@ pub fn dispatch_single<K: Kernel>(level: Level, kernel: K) -> K::Output {
             unsafe { with_fma(kernel) }
         }
         #[cfg(target_arch = "aarch64")]
-        Level::Neon => kernel.run::<super::Pack<1>>(),
+        Level::Neon => kernel.run::<Fused>(),
         _ => kernel.run::<f64>(),
     }
 }

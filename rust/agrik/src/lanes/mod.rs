@@ -5,14 +5,14 @@
 //! type it solves one target per lane. Operations never mix lanes, so a lane's result
 //! does not depend on its neighbours.
 
-mod array;
 mod dispatch;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 mod scalar;
 mod trig;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-pub use array::Pack;
 pub use dispatch::{Kernel, Level, VARIABLE, dispatch, dispatch_single};
 pub use trig::sin_cos_by_quadrant;
 pub(crate) use trig::{angle_over_sine, atan2};

@@ -9,6 +9,7 @@ use super::{Real, trig};
 /// A single target solved with it gets, bit for bit, the answer that it would get in a
 /// lane. Fast only inside a function compiled for fused multiply-add.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+#[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), allow(dead_code))]
 pub(super) struct Fused(f64);
 
 macro_rules! operator {
