@@ -27,8 +27,10 @@ const STARTS: [(&str, StartRule); 3] =
 const ORDERS: [(&str, PidOrder); 2] =
     [("tip-first", PidOrder::TipFirst), ("base-first", PidOrder::BaseFirst)];
 
-const CLOSED_FORM: &str = "closed_form";
-const AUTO: &str = "auto";
+/// Name of the closed form.
+pub const CLOSED_FORM: &str = "closed_form";
+/// Name of the choice between a closed form and the default step solver.
+pub const AUTO: &str = "auto";
 const CHOICES: [(&str, Choice); 3] =
     [("nearest", Choice::Nearest), ("margin", Choice::Margin), ("middle", Choice::Middle)];
 

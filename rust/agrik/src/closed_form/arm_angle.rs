@@ -12,10 +12,10 @@ use std::f64::consts::{PI, TAU};
 use super::candidates::Lanes;
 use super::check::{Limit, SLACK};
 use super::choose::Choice;
-use super::settle::Group;
+use super::settle::{Group, Job};
 use super::srs::{Elbow, Reached, Srs};
-use super::turn::{Meeting, advance, components};
-use super::{BRANCHES, ClosedForm, JOINTS};
+use super::turn::{Meeting, Side, advance, components};
+use super::{BRANCHES, ClosedForm};
 use crate::chain::{Chain, Tail};
 use crate::error::{Error, Result};
 use crate::lanes::{Real, V3, atan2};
@@ -50,7 +50,7 @@ pub(super) fn search<R: Real>(
     choice: Choice,
     used: Lanes,
 ) -> Lanes {
-    let at = arm.reach(&group.goal, group.tool(), group.preferred());
+    let at = arm.reach(&group.goal, group.job.tool(), &group.near.preferred);
     let step = TAU / SAMPLES as f64;
     let mut cost = R::splat(f64::INFINITY);
     let mut psi = R::zero();
@@ -110,9 +110,9 @@ fn best_interval<R: Real>(
     lane: usize,
 ) -> Option<f64> {
     let mut single = group.one_lane(lane);
-    let at = arm.reach(&single.goal, single.tool(), single.preferred());
+    let at = arm.reach(&single.goal, single.job.tool(), &single.near.preferred);
     let (mut cost, mut psi) = (f64::INFINITY, 0.0);
-    for branch in intervals_of(arm, &at, &single.limits) {
+    for branch in intervals_of(arm, &at, single.job.limits()) {
         for interval in branch {
             for share in [0.5, 0.1, 0.9] {
                 let angle = interval.lower + share * (interval.upper - interval.lower);
@@ -127,7 +127,7 @@ fn best_interval<R: Real>(
 pub(super) fn intervals_of(
     arm: &Srs,
     at: &Reached<f64>,
-    limits: &[Limit; JOINTS],
+    limits: &[Limit],
 ) -> [Vec<Interval>; BRANCHES] {
     let mut out: [Vec<Interval>; BRANCHES] = Default::default();
     for (e, elbow) in at.elbows.iter().enumerate() {
@@ -153,7 +153,7 @@ pub(super) fn intervals_of(
 
 /// The third link's orientation as constant, cosine and sine parts.
 fn third_link_parts(at: &Reached<f64>, elbow: &Elbow<f64>) -> Parts {
-    let [to, zero, across] = at.line;
+    let [to, zero, across] = at.line.frame;
     let [f0, f1, f2] = elbow.frame;
     let outer = |a: V3<f64>, f: V3<f64>, b: V3<f64>, g: V3<f64>| {
         [0, 1, 2].map(|k| [0, 1, 2].map(|i| a[i] * f[k] + b[i] * g[k]))
@@ -177,9 +177,9 @@ fn left_parts(
     let fourth = advance(third, (0.0, 1.0), &links[2]);
     let fifth = advance(fourth, elbow.turn, &links[3]);
     [
-        components(fifth, at.wanted[0]),
-        components(fifth, at.wanted[1]),
-        components(fifth, at.wanted[2]),
+        components(fifth, at.line.wanted[0]),
+        components(fifth, at.line.wanted[1]),
+        components(fifth, at.line.wanted[2]),
     ]
 }
 
@@ -226,8 +226,10 @@ fn pieces(
         let (s, c) = psi.sin_cos();
         let column =
             |k: usize| [0, 1, 2].map(|i| parts[0][k][i] + c * parts[1][k][i] + s * parts[2][k][i]);
-        let (triples, ..) = meeting.solve(column(0), column(2), (0.0, 1.0));
-        triples[branch]
+        let side = Side::both()[branch];
+        let found = meeting.solve(column(0), column(2), (0.0, 1.0), side);
+        found
+            .turns
             .iter()
             .zip(limits)
             .all(|(turn, (limit, offset))| allows(limit, atan2(turn.0, turn.1) - offset))
@@ -321,11 +323,11 @@ pub fn intervals(
     let tail = tail.unwrap_or(chain.compiled().tail);
     let position = [pose[3], pose[7], pose[11]];
     let rotation = [0, 1, 2].map(|j| [pose[j], pose[4 + j], pose[8 + j]]);
-    let mut group = Group::<f64>::new(chain, form, tail, Tolerance::default());
+    let mut group = Group::<f64>::new(Job::new(chain, form, tail, Tolerance::default()));
     group.goal = pose_goal(position, rotation, &tail);
     group.solve();
-    let at = arm.reach(&group.goal, group.tool(), group.preferred());
-    let found = intervals_of(arm, &at, &group.limits);
+    let at = arm.reach(&group.goal, group.job.tool(), &group.near.preferred);
+    let found = intervals_of(arm, &at, group.job.limits());
     // A wrist too far away is so at every arm angle.
     let reached = (0..BRANCHES).map(|b| group.reaches(b));
     Ok(found.into_iter().zip(reached).map(|(all, ok)| if ok { all } else { Vec::new() }).collect())

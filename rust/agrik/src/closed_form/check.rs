@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::candidates::{JOINTS, Lanes};
 use crate::chain::{Compiled, Tail, Variable};
-use crate::kinematics::{Workspace, forward};
+use crate::kinematics::{Workspace, forward_frame};
 use crate::lanes::{Real, dot, sub};
 use crate::solve::Tolerance;
 use crate::task::Goal;
@@ -13,7 +13,7 @@ use crate::task::Goal;
 pub const SLACK: f64 = 1e-10;
 
 /// A joint's limits and the value that it stays near.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limit {
     pub lower: f64,
     pub upper: f64,
@@ -95,7 +95,7 @@ impl<'a> Exact<'a> {
         for (x, variable) in q.iter().zip(self.variables) {
             ordered[*variable] = *x;
         }
-        forward(self.compiled, &ordered, workspace);
+        forward_frame(self.compiled, &ordered, workspace);
         let axes = workspace.joint_axes();
         let mut chord2 = R::zero();
         for (axis, wanted) in axes.iter().zip(&goal.axes) {
