@@ -16,7 +16,7 @@ pub struct Branches {
     targets: usize,
     solved: usize,
     /// The branches of a single target, in place of the columns' own numbers.
-    alone: Option<Alone>,
+    alone: Option<Box<Alone>>,
     q: Column<f64>,
     valid: Column<bool>,
     reached: Column<bool>,
@@ -49,7 +49,7 @@ impl Branches {
     }
 
     /// The record of a single target.
-    pub fn of_one(dof: usize, alone: Alone) -> Self {
+    pub fn of_one(dof: usize, alone: Box<Alone>) -> Self {
         Self {
             shape: Vec::new(),
             dof,

@@ -184,19 +184,20 @@ pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResu
     let threads = call.options.threads;
     let mut signals = Signals::new();
     let closed = match &call.options.solver {
-        Chosen::ClosedForm { choice, arm_angle } => {
-            Some((arm_angle.map_or(ArmAngle::Free, ArmAngle::One), *choice))
+        Chosen::ClosedForm { choice, arm_angle, proof } => {
+            Some((arm_angle.map_or(ArmAngle::Free, ArmAngle::One), *choice, *proof))
         }
         Chosen::Auto if plan.task().fixes_pose() && ClosedForm::of(chain).is_ok() => {
-            Some((ArmAngle::Free, Choice::default()))
+            Some((ArmAngle::Free, Choice::default(), false))
         }
         _ => None,
     };
     let query = match closed {
         None => None,
-        Some((angle, choice)) => {
+        Some((angle, choice, proof)) => {
             let query = Query::new(&plan, angle, choice);
-            Some(query.map_err(|error| errors::from_core(py, error))?)
+            let query = query.map_err(|error| errors::from_core(py, error))?;
+            Some(if proof { query.with_proof() } else { query })
         }
     };
     let answers = match (&call.options.solver, &query) {

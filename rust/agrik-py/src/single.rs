@@ -12,7 +12,7 @@ use crate::branches::Branches;
 use crate::convert::{self, is_rigid, transform};
 use crate::ik::Arguments;
 use crate::result::IkResult;
-use crate::solver::{self, AUTO, CLOSED_FORM, Chosen};
+use crate::solver::{self, AUTO, CLOSED_FORM};
 use crate::targets::lone_pose;
 use crate::{errors, threads};
 
@@ -51,9 +51,9 @@ pub fn best(
     let (choice, arm_angle) = match solver.cast_exact::<PyString>() {
         Ok(name) if matches!(name.to_str()?, CLOSED_FORM | AUTO) => (Choice::default(), None),
         Ok(_) => return Ok(None),
-        Err(_) => match solver::chosen(Some(solver), chain.name())? {
-            Chosen::ClosedForm { choice, arm_angle } => (choice, arm_angle),
-            _ => return Ok(None),
+        Err(_) => match solver::closed_form_of(solver)? {
+            Some((choice, arm_angle)) => (choice, arm_angle),
+            None => return Ok(None),
         },
     };
     if given.task.is_some() {

@@ -42,7 +42,11 @@ pub fn all_into(
             dispatch(level, InLanes { query, rows: &mut rows });
         }
     };
-    if share(rows.split(RUN), threads, &work, poll) { Ok(branches) } else { Err(Error::Interrupted) }
+    if share(rows.split(RUN), threads, &work, poll) {
+        Ok(branches)
+    } else {
+        Err(Error::Interrupted)
+    }
 }
 
 /// A target in each lane.

@@ -3,14 +3,13 @@
 //! that it gets in a batch, where a lane holds a target.
 
 use super::candidates::{BRANCHES, JOINTS, Lanes};
-use super::check::wrap;
+use super::check::wrap_pair;
 use super::choose::Choice;
 use super::query::{ArmAngle, arm_angles, status};
 use super::settle::{Job, Near};
 use super::{ClosedForm, query};
 use crate::chain::{Chain, Tail};
 use crate::error::{Error, Result};
-use crate::kinematics::Workspace;
 use crate::lanes::{Kernel, Level, Real, dispatch};
 use crate::solve::{Status, Tolerance};
 use crate::task::{Goal, pose_goal};
@@ -118,37 +117,40 @@ impl Alone {
         mut left: Option<(&mut Left, Choice)>,
     ) {
         let variables = job.variables();
-        let mut workspace = Workspace::<R>::new(job.exact.compiled);
         let goal = everywhere::<R>(&target.goal);
         let (near, (sine, cosine)) = (&target.near, target.angle.sin_cos());
         let angle = (R::splat(sine), R::splat(cosine));
         (self.reached, self.inside) = (0, 0);
         let mut first = 0;
         while first < PAIRS {
-            let pair = job.form.side_by_side(&goal, job.tool(), angle, &near.preferred, first);
-            for (way, mut candidate) in pair.into_iter().enumerate() {
-                let inside = wrap(job.limits(), &mut candidate.q, &near.centre);
-                let (position2, chord2) = job.exact.miss(&candidate.q, &goal, &mut workspace);
+            let mut pair = job.form.side_by_side(&goal, job.tool(), angle, &near.preferred, first);
+            let inside = wrap_pair(job.limits(), &mut pair, &near.centre);
+            let missed = job.exact.miss_pair(&pair, &goal);
+            let lanes = R::WIDTH.min(PAIRS - first);
+            for (way, candidate) in pair.iter().enumerate() {
+                let (position2, chord2) = missed[way];
                 let reached = job.exact.is_near(position2, chord2) & !candidate.merged;
+                let rows = &mut self.q[(2 * first + way) * self.joints..];
+                for (x, variable) in candidate.q.iter().zip(variables) {
+                    for lane in 0..lanes {
+                        rows[2 * lane * self.joints + variable] = x.lane(lane);
+                    }
+                }
+                for lane in 0..lanes {
+                    let b = 2 * (first + lane) + way;
+                    let hit = reached >> lane & 1;
+                    self.reached |= hit << b;
+                    self.inside |= (inside[way] >> lane & 1) << b;
+                    self.singular[b] = if hit != 0 { candidate.flags(lane) } else { 0 };
+                }
                 if let Some((left, choice)) = &mut left {
                     let cost = choice.cost(&candidate.q, &near.centre, job.limits());
-                    for lane in 0..R::WIDTH.min(PAIRS - first) {
+                    for lane in 0..lanes {
                         let b = 2 * (first + lane) + way;
                         left.position2[b] = position2.lane(lane);
                         left.chord2[b] = chord2.lane(lane);
                         left.cost[b] = cost.lane(lane);
                     }
-                }
-                for lane in 0..R::WIDTH.min(PAIRS - first) {
-                    let b = 2 * (first + lane) + way;
-                    let q = &mut self.q[b * self.joints..(b + 1) * self.joints];
-                    for (x, variable) in candidate.q.iter().zip(variables) {
-                        q[*variable] = x.lane(lane);
-                    }
-                    let hit = reached >> lane & 1;
-                    self.reached |= hit << b;
-                    self.inside |= (inside >> lane & 1) << b;
-                    self.singular[b] = if hit != 0 { candidate.flags(lane) } else { 0 };
                 }
             }
             first += R::WIDTH;
@@ -243,25 +245,27 @@ impl Single<'_> {
 }
 
 /// All branches of one pose: what [`super::all`] finds, without a plan.
-pub fn alone(single: &Single<'_>) -> Result<Alone> {
+pub fn alone(single: &Single<'_>) -> Result<Box<Alone>> {
     let job = single.job()?;
-    Ok(dispatch(Level::in_use(), Branching { job, single }))
+    // Half a kilobyte that is handed on a few times.
+    let mut out = Box::new(Alone::new(job.variables().len()));
+    dispatch(Level::in_use(), Branching { job: &job, single, out: &mut out });
+    Ok(out)
 }
 
 struct Branching<'a> {
-    job: Job<'a>,
+    job: &'a Job<'a>,
     single: &'a Single<'a>,
+    out: &'a mut Alone,
 }
 
 impl Kernel for Branching<'_> {
-    type Output = Alone;
+    type Output = ();
     #[inline(always)]
-    fn run<R: Real>(self) -> Alone {
-        let mut out = Alone::new(self.job.variables().len());
-        match self.single.target::<R>(&self.job) {
-            Some(target) => out.solve(&self.job, &target, None),
-            None => out.stand_in(&self.job),
+    fn run<R: Real>(self) {
+        match self.single.target::<R>(self.job) {
+            Some(target) => self.out.solve(self.job, &target, None),
+            None => self.out.stand_in(self.job),
         }
-        out
     }
 }

@@ -1,14 +1,14 @@
 //! The best branch of every target, as a call of [`crate::batch::solve`].
 
 use super::alone::{Alone, Left, Single, Target};
-use super::arm_angle;
+use super::best_angle;
 use super::candidates::{BRANCHES, JOINTS};
 use super::choose::Choice;
 use super::query::{ArmAngle, FEW, Query, RUN, status};
 use super::settle::{Group, Job};
 use super::{ClosedForm, Srs};
-use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
 use crate::error::Result;
+use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
 use crate::solve::{Answers, AnswersMut, Outcome, Solve, Status};
 use crate::task::{Goal, rotation_between};
 
@@ -94,10 +94,11 @@ fn alone_best<R: Real>(
     rows: &mut AnswersMut<'_>,
     i: usize,
 ) {
-    let Some(target) = target else {
+    let Some(mut target) = target else {
         job.stand_in(rows.finish(i, unfinished(Status::BadInput)));
         return;
     };
+    target.near.judged_by(choice, job.geometry);
     let mut found = Alone::new(job.variables().len());
     let mut left = Left::new();
     found.solve(job, &target, Some((&mut left, choice)));
@@ -160,7 +161,8 @@ impl Kernel for InLanes<'_, '_> {
             let (used, bad) = query.load(&mut group, rows.first + i, rows.first + self.end);
             let mut proven = 0;
             if let Some(arm) = free {
-                proven = arm_angle::search(arm, &mut group, query.choice, used & !bad);
+                proven =
+                    best_angle::search(arm, &mut group, query.choice, query.proof, used & !bad);
             }
             group.solve();
             let mut valid = [0; BRANCHES];

@@ -36,13 +36,14 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::arm_angle::{Interval, Parts, allows, common, pieces, wrap};
+use super::arm_angle::{Bent, limit_cuts};
 use super::candidates::JOINTS;
 use super::check::Limit;
 use super::choose::Choice;
 use super::srs::Srs;
 use super::turn::Meeting;
-use crate::lanes::atan2;
+use super::wheel::{Range, Spoke, Wheel, floor};
+use crate::lanes::Real;
 
 /// How far the cost may be above the least one: rad^2, or shares (their squares).
 pub const TOLERANCE: f64 = 1e-9;
@@ -60,41 +61,6 @@ pub(super) struct Best {
     pub psi: f64,
 }
 
-/// A range of numbers.
-#[derive(Debug, Clone, Copy)]
-struct Range {
-    low: f64,
-    high: f64,
-}
-
-impl Range {
-    fn of(a: f64, b: f64) -> Self {
-        Self { low: a.min(b), high: a.max(b) }
-    }
-    fn times(self, o: Self) -> Self {
-        let all = [self.low * o.low, self.low * o.high, self.high * o.low, self.high * o.high];
-        Self {
-            low: all.into_iter().fold(f64::INFINITY, f64::min),
-            high: all.into_iter().fold(f64::NEG_INFINITY, f64::max),
-        }
-    }
-    fn plus(self, o: Self) -> Self {
-        Self { low: self.low + o.low, high: self.high + o.high }
-    }
-    fn by(self, factor: f64) -> Self {
-        Self::of(self.low * factor, self.high * factor)
-    }
-    fn square(self) -> Self {
-        let (a, b) = (self.low * self.low, self.high * self.high);
-        let low = if self.low <= 0.0 && self.high >= 0.0 { 0.0 } else { a.min(b) };
-        Self { low, high: a.max(b) }
-    }
-    /// The inverse of positive numbers.
-    fn inverse(self) -> Self {
-        Self { low: 1.0 / self.high, high: 1.0 / self.low }
-    }
-}
-
 /// How a joint's value counts.
 #[derive(Debug, Clone, Copy)]
 struct Weight {
@@ -105,13 +71,17 @@ struct Weight {
 }
 
 impl Weight {
-    fn new(choice: Choice, limit: Limit, offset: f64, centre: f64) -> Self {
+    fn of(choice: Choice, limit: Limit, offset: f64, centre: f64) -> Self {
         let share = if limit.half == f64::INFINITY { 0.0 } else { 1.0 / limit.half.max(1e-9) };
         let (centre, factor) = match choice {
             Choice::Nearest => (centre, 1.0),
             Choice::Middle | Choice::Margin => (limit.middle, share),
         };
         Self { limit, offset, centre, factor }
+    }
+
+    fn twice(&self) -> f64 {
+        2.0 * self.factor * self.factor
     }
 
     /// The least distance from the centre, weighed, of the values of a range (turns, before
@@ -121,11 +91,11 @@ impl Weight {
         let low = turns.low - self.offset;
         let high = turns.high - self.offset;
         let (from, to) = if self.limit.half == f64::INFINITY {
-            let k = ((self.centre - 0.5 * (low + high)) / TAU).round();
-            (k - 1.0, k + 1.0)
+            let nearest = |x: f64| floor((self.centre - x) * (1.0 / TAU) + 0.5);
+            (nearest(high), nearest(low))
         } else {
-            let from = ((self.limit.lower - HELD - high) / TAU).ceil();
-            (from, ((self.limit.upper + HELD - low) / TAU).floor())
+            let from = -floor((high - self.limit.lower + HELD) * (1.0 / TAU));
+            (from, floor((self.limit.upper + HELD - low) * (1.0 / TAU)))
         };
         let mut least = f64::INFINITY;
         let mut only = None;
@@ -137,308 +107,281 @@ impl Weight {
             let (a, b) = (a.min(self.limit.upper), b.max(self.limit.lower));
             let off = (a - self.centre).max(self.centre - b).max(0.0);
             least = least.min(self.factor * off);
-            only = (from == to)
-                .then_some(Range { low: a - self.centre, high: b - self.centre });
+            only = (from == to).then_some(Range { low: a - self.centre, high: b - self.centre });
             k += 1.0;
         }
         (least, only)
     }
 }
 
-/// Three joints whose axes meet at right angles, as functions of the arm angle.
-struct Wheel {
-    parts: Parts,
-    a: f64,
-    p: f64,
-    /// Amplitude of `c`, squared.
-    s2: f64,
-}
-
-/// A triple at one arm angle: `c`, then the turns for the first side of `t2`.
-#[derive(Debug, Clone, Copy)]
-struct Spoke {
-    c: f64,
-    turns: [f64; 3],
-}
-
-impl Wheel {
-    fn new(parts: Parts) -> Self {
-        // M' = [w] M at psi = 0.
-        let row = |p: usize, i: usize| [0, 1, 2].map(|k| parts[p][k][i]);
-        let at = |i: usize| [0, 1, 2].map(|k| parts[0][k][i] + parts[1][k][i]);
-        let dot = |x: [f64; 3], y: [f64; 3]| x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
-        let w = [dot(row(2, 2), at(1)), dot(row(2, 0), at(2)), dot(row(2, 1), at(0))];
-        let (a, p) = (w[2], dot(w, parts[0][2]));
-        let s2 = ((1.0 - a * a) * (1.0 - p * p)).max(0.0);
-        Self { parts, a, p, s2 }
-    }
-
-    fn at(&self, psi: f64) -> Spoke {
-        let (s, c) = psi.sin_cos();
-        let m = |k: usize, i: usize| {
-            self.parts[0][k][i] + c * self.parts[1][k][i] + s * self.parts[2][k][i]
-        };
-        let (x, y, z) = (m(2, 0), m(2, 1), m(2, 2));
-        let turns = [atan2(y, x), atan2((x * x + y * y).sqrt(), -z), -atan2(m(1, 2), m(0, 2))];
-        Spoke { c: z, turns }
-    }
-
-    /// Where `c` turns back, and where `t1` or `t3` does.
-    fn cuts(&self, out: &mut Vec<f64>) {
-        let [k0, k1, k2] = [0, 1, 2].map(|p| self.parts[p][2][2]);
-        let (top, size) = (k2.atan2(k1), k1.hypot(k2));
-        out.extend([wrap(top), wrap(top + PI)]);
-        for (n, d) in [(self.a, self.p), (self.p, self.a)] {
-            let share = (n / d - k0) / size;
-            if share.abs() < 1.0 {
-                let half = share.acos();
-                out.extend([wrap(top + half), wrap(top - half)]);
-            }
-        }
-    }
-
-    /// Rates of the three turns, for `c` and the sign of `c'`, on the first side.
-    fn rates(&self, c: f64, sign: f64) -> [f64; 3] {
-        let d = ((1.0 - c) * (1.0 + c)).max(f64::MIN_POSITIVE);
-        let off = c - self.a * self.p;
-        let slope = sign * (self.s2 - off * off).max(0.0).sqrt();
-        [(self.a - self.p * c) / d, slope / d.sqrt(), (self.p - self.a * c) / d]
-    }
-
-    /// Ranges of the rates and of their derivatives over a range of `c`.
-    fn rate_ranges(&self, c: Range, sign: f64) -> Option<([Range; 3], [Range; 3])> {
-        let (a, p) = (self.a, self.p);
-        let d = Range { low: 1.0 - c.square().high, high: 1.0 - c.square().low };
-        if d.low < 1e-9 {
-            return None;
-        }
-        let over = d.inverse();
-        let linear = |x: f64, y: f64| Range::of(x - y * c.low, x - y * c.high);
-        let off = Range { low: c.low - a * p, high: c.high - a * p }.square();
-        let steep = Range {
-            low: (self.s2 - off.high).max(0.0).sqrt(),
-            high: (self.s2 - off.low).max(0.0).sqrt(),
-        }
-        .by(sign);
-        let root = Range { low: d.low.sqrt(), high: d.high.sqrt() }.inverse();
-        let rates = [linear(a, p).times(over), steep.times(root), linear(p, a).times(over)];
-        // d/dc of (a - p c) / (1 - c^2) is (2 a c - p (1 + c^2)) / (1 - c^2)^2.
-        let over2 = over.square();
-        let bend = |a: f64, p: f64| {
-            let one = Range { low: 1.0 + c.square().low, high: 1.0 + c.square().high };
-            let n = Range::of(2.0 * a * c.low, 2.0 * a * c.high).plus(one.by(-p));
-            n.times(over2).times(steep)
-        };
-        let back = Range { low: a * p - c.high, high: a * p - c.low };
-        let second = back.times(root).plus(c.times(steep.square()).times(root).times(over));
-        Some((rates, [bend(a, p), second, bend(p, a)]))
-    }
-}
-
-/// One branch on a piece of the circle.
-struct Branch<'w> {
-    wheels: [&'w Wheel; 2],
-    /// 1 or -1: the side of `t2` of each triple.
-    sides: [f64; 2],
-    weights: &'w [Weight; JOINTS],
-    choice: Choice,
-    /// What the fourth joint costs.
-    fourth: f64,
-}
-
 /// Both triples at one arm angle.
 type Spokes = [Spoke; 2];
 
-impl Branch<'_> {
-    fn at(&self, psi: f64) -> Spokes {
-        [self.wheels[0].at(psi), self.wheels[1].at(psi)]
-    }
+/// An arm angle, both triples there, and what the branch at hand costs.
+#[derive(Debug, Clone, Copy)]
+struct Point {
+    psi: f64,
+    at: Spokes,
+    cost: f64,
+    /// Derivative of the cost; not a number where it has none.
+    slope: f64,
+}
 
-    /// The turn of joint `j` (of a triple) on this branch.
-    fn turn(&self, triple: usize, j: usize, spoke: &Spoke) -> f64 {
-        let side = self.sides[triple];
-        match j {
-            1 => side * spoke.turns[1],
-            _ if side > 0.0 => spoke.turns[j],
-            _ => spoke.turns[j] + PI,
-        }
-    }
+/// What the ranges of a piece say of the derivatives of the cost.
+struct Slopes {
+    first: Range,
+    second: Range,
+}
 
+/// How joints count.
+struct Costs {
+    weights: [Weight; JOINTS],
+    choice: Choice,
+}
+
+impl Costs {
     fn weight(&self, triple: usize, j: usize) -> &Weight {
         &self.weights[4 * triple + j]
     }
 
+    /// The cost of a joint on top of that of others; of its weighed distance.
     fn add(&self, sum: f64, least: f64) -> f64 {
         if self.choice == Choice::Margin { sum.max(least) } else { sum + least * least }
     }
 
-    /// The cost at an arm angle, infinite outside the limits.
-    fn cost(&self, spokes: &Spokes) -> f64 {
-        let mut cost = self.fourth;
-        for (triple, spoke) in spokes.iter().enumerate() {
-            for j in 0..3 {
-                let x = self.turn(triple, j, spoke);
-                cost = self.add(cost, self.weight(triple, j).least(Range::of(x, x)).0);
-            }
+    /// The least cost of a triple on a piece, and the ranges of its joints' distances.
+    fn least(
+        &self,
+        wheel: &Wheel,
+        (triple, side): (usize, f64),
+        [from, to]: [&Spoke; 2],
+        sign: f64,
+    ) -> (f64, [Option<Range>; 3]) {
+        let middle = wheel.rates(0.5 * (from.c + to.c), sign);
+        let (mut cost, mut offs) = (0.0, [None; 3]);
+        for j in 0..3 {
+            let (x, y) = (turn(side, j, from), turn(side, j, to));
+            let range = if j == 1 { Range::of(x, y) } else { swept(x, y, middle[j]) };
+            let least;
+            (least, offs[j]) = self.weight(triple, j).least(range);
+            cost = self.add(cost, least);
         }
-        cost
+        (cost, offs)
     }
 
-    /// The derivative of the cost by the arm angle; `signs` are those of `c'`.
-    fn slope(&self, spokes: &Spokes, signs: [f64; 2]) -> f64 {
-        let mut slope = 0.0;
-        for (triple, spoke) in spokes.iter().enumerate() {
+    /// The cost of parts together.
+    fn together(&self, a: f64, b: f64) -> f64 {
+        if self.choice == Choice::Margin { a.max(b) } else { a + b }
+    }
+}
+
+/// The turn of joint `j` of a triple on a side.
+fn turn(side: f64, j: usize, spoke: &Spoke) -> f64 {
+    match j {
+        1 => side * spoke.turns[1],
+        _ if side > 0.0 => spoke.turns[j],
+        _ => spoke.turns[j] + PI,
+    }
+}
+
+/// The sign of `c'` between two arm angles between which it does not change.
+fn sign(from: &Spoke, to: &Spoke) -> f64 {
+    if to.c >= from.c { 1.0 } else { -1.0 }
+}
+
+/// One branch of an elbow.
+struct Branch<'w> {
+    wheels: &'w [Wheel; 2],
+    /// 1 or -1: the side of `t2` of each triple.
+    sides: [f64; 2],
+    costs: &'w Costs,
+    /// What the fourth joint costs.
+    fourth: f64,
+}
+
+impl Branch<'_> {
+    /// The rate of a joint on this branch out of those of the first side.
+    fn rate(&self, triple: usize, j: usize, rates: &[f64; 3]) -> f64 {
+        if j == 1 { self.sides[triple] * rates[1] } else { rates[j] }
+    }
+
+    /// The cost at an arm angle, infinite outside the limits, and its derivative.
+    fn point(&self, psi: f64, at: Spokes, signs: [f64; 2]) -> Point {
+        let (mut cost, mut slope) = (self.fourth, 0.0);
+        for (triple, spoke) in at.iter().enumerate() {
             let rates = self.wheels[triple].rates(spoke.c, signs[triple]);
-            for (j, rate) in rates.into_iter().enumerate() {
-                let x = self.turn(triple, j, spoke);
-                let weight = self.weight(triple, j);
-                let rate = if j == 1 { self.sides[triple] * rate } else { rate };
-                let off = weight.least(Range::of(x, x)).1.map_or(f64::NAN, |off| off.low);
-                slope += 2.0 * weight.factor * weight.factor * off * rate;
+            for j in 0..3 {
+                let x = turn(self.sides[triple], j, spoke);
+                let weight = self.costs.weight(triple, j);
+                let (least, off) = weight.least(Range { low: x, high: x });
+                cost = self.costs.add(cost, least);
+                let off = off.map_or(f64::NAN, |off| off.low);
+                slope += weight.twice() * off * self.rate(triple, j, &rates);
             }
         }
-        slope
+        Point { psi, at, cost, slope }
     }
 
-    fn consider(&self, psi: f64, spokes: &Spokes, best: &mut Best) {
-        let cost = self.cost(spokes);
-        if cost < best.cost {
-            *best = Best { cost, psi };
+    fn consider(&self, point: &Point, best: &mut Best) {
+        if point.cost < best.cost {
+            *best = Best { cost: point.cost, psi: point.psi };
         }
     }
 
     /// Searches a piece on which all angles are monotone.
-    fn search(&self, piece: Interval, best: &mut Best) {
-        let ends = (self.at(piece.lower), self.at(piece.upper));
-        for (end, at, inwards) in [(piece.lower, &ends.0, 1.0), (piece.upper, &ends.1, -1.0)] {
-            self.consider(end, at, best);
+    fn search(&self, [from, to]: [&(f64, Spokes); 2], best: &mut Best, open: &mut Vec<[Point; 2]>) {
+        let signs = [0, 1].map(|i| sign(&from.1[i], &to.1[i]));
+        // Inside the limits as a whole or not at all.
+        let middle = self.at(0.5 * (from.0 + to.0), signs);
+        if middle.cost == f64::INFINITY {
+            return;
+        }
+        self.consider(&middle, best);
+        let first = self.point(from.0, from.1, signs);
+        let last = self.point(to.0, to.1, signs);
+        for (end, inwards) in [(&first, 1.0), (&last, -1.0)] {
+            self.consider(end, best);
             // A limit that rounding puts the end past: just before it.
-            if self.cost(at) == f64::INFINITY {
-                let near = end + inwards * (0.25 * (piece.upper - piece.lower)).min(1e-9);
-                self.consider(near, &self.at(near), best);
+            if end.cost == f64::INFINITY {
+                let near = end.psi + inwards * (0.25 * (to.0 - from.0)).min(1e-9);
+                self.consider(&self.at(near, signs), best);
             }
         }
-        let mut open = vec![(piece, ends)];
-        while let Some((piece, (first, last))) = open.pop() {
-            let Some(bounds) = self.bounds(piece, &first, &last, best.cost - TOLERANCE) else {
-                continue;
-            };
-            let width = piece.upper - piece.lower;
+        open.clear();
+        open.extend([[middle, last], [first, middle]]);
+        while let Some([first, last]) = open.pop() {
+            let wanted = best.cost - TOLERANCE;
+            let Some(slopes) = self.bounds(&first, &last, signs, wanted) else { continue };
+            let width = last.psi - first.psi;
             if width < SHORTEST {
                 continue;
             }
-            let mut psi = piece.lower + 0.5 * width;
-            if let Some((slope, bend, signs)) = bounds {
-                if slope.low > 0.0 || slope.high < 0.0 {
+            if let Some(slopes) = slopes {
+                if slopes.first.low > 0.0
+                    || slopes.first.high < 0.0
+                    || least_by_slopes(&first, &last, &slopes) >= wanted
+                {
                     continue;
                 }
-                if bend.low > 0.0 {
-                    psi = self.stationary(piece, signs);
-                    self.consider(psi, &self.at(psi), best);
+                if slopes.second.low > 0.0 {
+                    self.consider(&self.stationary(first, last, signs), best);
                     continue;
                 }
             }
-            let at = self.at(psi);
-            self.consider(psi, &at, best);
-            if !(psi > piece.lower && psi < piece.upper) {
-                psi = piece.lower + 0.5 * width;
-            }
-            open.push((Interval { lower: piece.lower, upper: psi }, (first, at)));
-            open.push((Interval { lower: psi, upper: piece.upper }, (at, last)));
+            let middle = self.at(first.psi + 0.5 * width, signs);
+            self.consider(&middle, best);
+            open.extend([[middle, last], [first, middle]]);
         }
     }
 
-    /// The one zero of the derivative on a piece where it grows, or the end next to it.
-    fn stationary(&self, piece: Interval, signs: [f64; 2]) -> f64 {
-        let g = |psi: f64| self.slope(&self.at(psi), signs);
-        let (mut a, mut b) = (piece.lower, piece.upper);
-        let (mut at_a, mut at_b) = (g(a), g(b));
-        if at_a >= 0.0 {
+    fn at(&self, psi: f64, signs: [f64; 2]) -> Point {
+        self.point(psi, spokes(self.wheels, psi), signs)
+    }
+
+    /// The one place where the derivative vanishes on a piece where it grows, or the end
+    /// next to it.
+    fn stationary(&self, mut a: Point, mut b: Point, signs: [f64; 2]) -> Point {
+        if a.slope >= 0.0 {
             return a;
         }
-        if at_b <= 0.0 {
+        if b.slope <= 0.0 {
             return b;
         }
-        let mut last = 0.0f64;
+        // Regula falsi with the Illinois rule, and a halving now and then.
+        let (mut at_a, mut at_b, mut last) = (a.slope, b.slope, 0.0f64);
         for step in 0..STEPS {
-            let cut = a + (b - a) * (at_a / (at_a - at_b));
-            let x = if step % 4 == 3 || !(cut > a && cut < b) { 0.5 * (a + b) } else { cut };
-            let y = g(x);
+            let cut = a.psi + (b.psi - a.psi) * (at_a / (at_a - at_b));
+            let halve = step % 4 == 3 || !(cut > a.psi && cut < b.psi);
+            let x = self.at(if halve { 0.5 * (a.psi + b.psi) } else { cut }, signs);
             // The cost is quadratic here.
-            if y.abs() < 1e-6 || b - a < 1e-8 {
+            if x.slope.abs() < 1e-6 || b.psi - a.psi < 1e-8 {
                 return x;
             }
-            if y < 0.0 {
-                (a, at_a) = (x, y);
+            if x.slope < 0.0 {
+                (a, at_a) = (x, x.slope);
                 at_b *= if last < 0.0 { 0.5 } else { 1.0 };
             } else {
-                (b, at_b) = (x, y);
+                (b, at_b) = (x, x.slope);
                 at_a *= if last > 0.0 { 0.5 } else { 1.0 };
             }
-            last = y;
+            last = x.slope;
         }
-        0.5 * (a + b)
+        a
     }
 
-    /// `None` where the ranges of a piece allow no cost below `wanted`; else ranges of the
-    /// cost's derivatives and the signs of `c'`, where they are known.
-    #[allow(clippy::type_complexity)]
+    /// `None` where the ranges of a piece allow no cost below `wanted`; else what they say
+    /// of the derivatives, where they say anything.
     fn bounds(
         &self,
-        piece: Interval,
-        first: &Spokes,
-        last: &Spokes,
+        first: &Point,
+        last: &Point,
+        signs: [f64; 2],
         wanted: f64,
-    ) -> Option<Option<(Range, Range, [f64; 2])>> {
+    ) -> Option<Option<Slopes>> {
         let mut cost = self.fourth;
-        let mut signs = [0.0; 2];
         let mut offs = [[None; 3]; 2];
-        for triple in 0..2 {
-            let (from, to) = (&first[triple], &last[triple]);
-            signs[triple] = if to.c >= from.c { 1.0 } else { -1.0 };
-            let middle = self.wheels[triple].rates(0.5 * (from.c + to.c), signs[triple]);
-            for j in 0..3 {
-                let (x, y) = (self.turn(triple, j, from), self.turn(triple, j, to));
-                let rate = if j == 1 { self.sides[triple] * middle[1] } else { middle[j] };
-                let range = if j == 1 { Range::of(x, y) } else { swept(x, y, rate) };
-                let (least, off) = self.weight(triple, j).least(range);
-                cost = self.add(cost, least);
-                offs[triple][j] = off;
+        for (triple, offs) in offs.iter_mut().enumerate() {
+            let ends = [&first.at[triple], &last.at[triple]];
+            let of = (triple, self.sides[triple]);
+            let least;
+            (least, *offs) = self.costs.least(&self.wheels[triple], of, ends, signs[triple]);
+            cost = self.costs.together(cost, least);
+            if cost >= wanted {
+                return None;
             }
         }
-        if cost >= wanted {
-            return None;
-        }
-        if self.choice == Choice::Margin || piece.upper - piece.lower > 1.0 {
+        if self.costs.choice == Choice::Margin || last.psi - first.psi > 1.5 {
             return Some(None);
         }
-        Some(self.derivatives(first, last, &offs, signs))
+        Some(self.slopes(first, last, &offs, signs))
     }
 
-    fn derivatives(
+    fn slopes(
         &self,
-        first: &Spokes,
-        last: &Spokes,
+        first: &Point,
+        last: &Point,
         offs: &[[Option<Range>; 3]; 2],
         signs: [f64; 2],
-    ) -> Option<(Range, Range, [f64; 2])> {
+    ) -> Option<Slopes> {
         let none = Range { low: 0.0, high: 0.0 };
         let (mut slope, mut bend) = (none, none);
         for triple in 0..2 {
-            let c = Range::of(first[triple].c, last[triple].c);
+            let c = Range::of(first.at[triple].c, last.at[triple].c);
             let (rates, bends) = self.wheels[triple].rate_ranges(c, signs[triple])?;
             for j in 0..3 {
-                let weight = self.weight(triple, j);
+                let weight = self.costs.weight(triple, j);
                 let side = if j == 1 { self.sides[triple] } else { 1.0 };
                 let (rate, second) = (rates[j].by(side), bends[j].by(side));
                 let off = offs[triple][j]?;
-                let twice = 2.0 * weight.factor * weight.factor;
-                slope = slope.plus(off.times(rate).by(twice));
-                bend = bend.plus(rate.square().plus(off.times(second)).by(twice));
+                slope = slope.plus(off.times(rate).by(weight.twice()));
+                bend = bend.plus(rate.square().plus(off.times(second)).by(weight.twice()));
             }
         }
-        Some((slope, bend, signs))
+        Some(Slopes { first: slope, second: bend })
     }
+}
+
+/// A bound from below of the cost on a piece, from its values and slopes at the ends and
+/// the ranges of its derivatives.
+fn least_by_slopes(a: &Point, b: &Point, slopes: &Slopes) -> f64 {
+    // An end outside the limits by rounding says nothing.
+    if !(a.cost + b.cost).is_finite() {
+        return f64::NEG_INFINITY;
+    }
+    let width = b.psi - a.psi;
+    let ends = a.cost.min(b.cost);
+    // Where the steepest line down from one end meets the steepest up to the other.
+    let (down, up) = (slopes.first.low, slopes.first.high);
+    let t = ((a.cost - b.cost + up * width) / (up - down)).clamp(0.0, width);
+    let lines = ends.min(a.cost + down * t);
+    // Up to the middle, and from there on, the least curved parabola from the nearer end.
+    if !(a.slope + b.slope).is_finite() {
+        return lines;
+    }
+    let bend = slopes.second.low.min(0.0) * width * width / 8.0;
+    let half = 0.5 * width;
+    let parabolas = (a.cost + a.slope * half + bend).min(b.cost - b.slope * half + bend);
+    lines.max(ends.min(parabolas))
 }
 
 /// The range that an angle sweeps from `x` to `y`, both up to whole turns, in the direction
@@ -446,7 +389,7 @@ impl Branch<'_> {
 fn swept(x: f64, y: f64, rate: f64) -> Range {
     // Less than a turn; what rounding leaves short of it is none at all.
     let turn = |d: f64| {
-        let d = d.rem_euclid(TAU);
+        let d = d - TAU * floor(d * (1.0 / TAU));
         if d > TAU - 1e-9 { 0.0 } else { d }
     };
     if rate >= 0.0 {
@@ -454,6 +397,11 @@ fn swept(x: f64, y: f64, rate: f64) -> Range {
     } else {
         Range { low: x - turn(x - y), high: x }
     }
+}
+
+fn spokes(wheels: &[Wheel; 2], psi: f64) -> Spokes {
+    let (s, c) = Real::sin_cos(psi);
+    [wheels[0].at(s, c), wheels[1].at(s, c)]
 }
 
 /// Whether the proof holds for an arm.
@@ -466,56 +414,57 @@ pub(super) fn applies(arm: &Srs) -> bool {
 /// Lowers `best` to the least cost of all arm angles and branches of one target.
 pub(super) fn certify(
     arm: &Srs,
-    elbows: &[super::arm_angle::Bent],
+    elbows: &[Bent],
     limits: &[Limit],
     centre: &[f64; JOINTS],
     choice: Choice,
     best: &mut Best,
 ) {
-    let weights: [Weight; JOINTS] =
-        std::array::from_fn(|j| Weight::new(choice, limits[j], arm.offset(j), centre[j]));
+    let weight = |j: usize| Weight::of(choice, limits[j], arm.offset(j), centre[j]);
+    let costs = Costs { weights: std::array::from_fn(weight), choice };
+    let joints = |first: usize| [0, 1, 2].map(|j| (limits[first + j], arm.offset(first + j)));
+    let (one, two) = arm.meetings();
+    let mut cuts = Vec::with_capacity(32);
+    let mut points = Vec::with_capacity(32);
+    let mut open = Vec::with_capacity(32);
     for bent in elbows {
         let q = bent.fourth + arm.offset(3);
-        let off = weights[3].least(Range::of(q, q)).0;
-        let fourth = if choice == Choice::Margin { off } else { off * off };
+        let off = costs.weights[3].least(Range { low: q, high: q }).0;
+        let fourth = costs.add(0.0, off);
         if fourth >= best.cost - TOLERANCE {
             continue;
         }
-        let (one, two) = arm.meetings();
-        let joints = |first: usize| [0, 1, 2].map(|j| (limits[first + j], arm.offset(first + j)));
         let wheels = [Wheel::new(bent.shoulder), Wheel::new(bent.wrist)];
-        let mut cuts = Vec::with_capacity(16);
+        cuts.clear();
         wheels[0].cuts(&mut cuts);
         wheels[1].cuts(&mut cuts);
+        limit_cuts(one, &bent.shoulder, &joints(0), &mut cuts);
+        limit_cuts(two, &bent.wrist, &joints(4), &mut cuts);
+        cuts.retain(|x| x.is_finite());
         cuts.sort_by(f64::total_cmp);
-        let lasts = [0, 1].map(|j| pieces(two, &bent.wrist, j, &joints(4)));
-        for (i, side) in [1.0, -1.0].into_iter().enumerate() {
-            let first = pieces(one, &bent.shoulder, i, &joints(0));
-            for (last, other) in lasts.iter().zip([1.0, -1.0]) {
-                let branch = Branch {
-                    wheels: [&wheels[0], &wheels[1]],
-                    sides: [side, other],
-                    weights: &weights,
-                    choice,
-                    fourth,
-                };
-                for interval in common(&first, last) {
-                    for piece in split(interval, &cuts) {
-                        branch.search(piece, best);
+        cuts.dedup_by(|a, b| (*a - *b).abs() < SHORTEST);
+        points.clear();
+        points.extend(cuts.iter().map(|&psi| (psi, spokes(&wheels, psi))));
+        let Some(&(start, at)) = points.first() else { continue };
+        points.push((start + TAU, at));
+        for piece in points.windows(2) {
+            let ends = [&piece[0], &piece[1]];
+            let least = |triple: usize, side: f64| {
+                let ends = ends.map(|end| &end.1[triple]);
+                let turns = sign(ends[0], ends[1]);
+                costs.least(&wheels[triple], (triple, side), ends, turns).0
+            };
+            let lasts = [1.0, -1.0].map(|side| (side, least(1, side)));
+            for side in [1.0, -1.0] {
+                let first = costs.together(fourth, least(0, side));
+                for (other, last) in lasts {
+                    if costs.together(first, last) < best.cost - TOLERANCE {
+                        let sides = [side, other];
+                        let branch = Branch { wheels: &wheels, sides, costs: &costs, fourth };
+                        branch.search(ends, best, &mut open);
                     }
                 }
             }
         }
     }
-}
-
-/// An interval, cut at angles that count up to whole turns.
-fn split(interval: Interval, cuts: &[f64]) -> impl Iterator<Item = Interval> {
-    let mut at: Vec<f64> = vec![interval.lower];
-    for turn in [-TAU, 0.0, TAU, 2.0 * TAU] {
-        let inside = |x: &f64| *x > interval.lower && *x < interval.upper;
-        at.extend(cuts.iter().map(|x| x + turn).filter(inside));
-    }
-    at.push(interval.upper);
-    (1..at.len()).map(move |i| Interval { lower: at[i - 1], upper: at[i] })
 }

@@ -12,8 +12,10 @@ mod all;
 mod alone;
 pub mod arm_angle;
 mod best;
+mod best_angle;
 mod branches;
 mod candidates;
+mod certify;
 mod check;
 mod choose;
 mod geometry;
@@ -26,6 +28,7 @@ mod srs;
 pub mod strawberry;
 pub mod tomato;
 mod turn;
+mod wheel;
 
 pub use all::{all, all_into};
 pub use alone::{Alone, Single, alone};

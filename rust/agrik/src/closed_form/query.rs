@@ -1,10 +1,10 @@
 //! A checked call of a closed form, and how its targets get into a lane group.
 
+use super::ClosedForm;
 use super::alone::Target;
 use super::candidates::Lanes;
 use super::choose::Choice;
 use super::settle::{Group, Job, Near};
-use super::ClosedForm;
 use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::lanes::Real;
@@ -33,6 +33,8 @@ pub struct Query<'a> {
     pub(super) form: &'a ClosedForm,
     pub(super) angle: ArmAngle<'a>,
     pub(super) choice: Choice,
+    /// The best arm angle is proven to be the best.
+    pub(super) proof: bool,
 }
 
 impl<'a> Query<'a> {
@@ -44,7 +46,13 @@ impl<'a> Query<'a> {
         }
         let form = form_of(plan.chain())?;
         arm_angles(form, angle, plan.len())?;
-        Ok(Self { plan, form, angle, choice })
+        Ok(Self { plan, form, angle, choice, proof: false })
+    }
+
+    /// The same call, where a free arm angle is proven to be the best and not only the best
+    /// of those looked at.
+    pub fn with_proof(self) -> Self {
+        Self { proof: true, ..self }
     }
 
     pub(super) fn chain(&self) -> &'a Chain {
@@ -109,17 +117,14 @@ impl<'a> Query<'a> {
         }
         if !matches!(self.plan.starts(), Starts::Free) {
             group.near.turn(geometry);
+            group.near.judged_by(self.choice, geometry);
         }
         (used, bad)
     }
 
     /// One target, in every lane; `None` where it or its start is not finite.
     #[inline(always)]
-    pub(super) fn alone<R: Real>(
-        &self,
-        job: &Job<'_>,
-        row: usize,
-    ) -> Option<Target<R>> {
+    pub(super) fn alone<R: Real>(&self, job: &Job<'_>, row: usize) -> Option<Target<R>> {
         let goal = self.plan.goal(row)?;
         let near = Near::to(job.geometry, self.start(row));
         Some(Target { goal, near, angle: self.angle(row) })

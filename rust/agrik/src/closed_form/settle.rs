@@ -1,7 +1,8 @@
 //! A lane group at work: what every closed form does with its goals and candidates.
 
 use super::candidates::{BRANCHES, Candidate, JOINTS, Lanes};
-use super::check::{Exact, Limit, wrap};
+use super::check::{Exact, Limit, wrap_pair};
+use super::choose::Choice;
 use super::srs::{Reached, Srs};
 use super::turn::Turn;
 use super::{ClosedForm, geometry::Geometry};
@@ -103,6 +104,17 @@ impl<R: Real> Near<R> {
         }
     }
 
+    /// A choice that does not look at the start values takes the values nearest to the
+    /// middle of the limits.
+    #[inline(always)]
+    pub fn judged_by(&mut self, choice: Choice, geometry: &Geometry) {
+        if choice != Choice::Nearest {
+            for (centre, limit) in self.centre.iter_mut().zip(&geometry.limits) {
+                *centre = R::splat(limit.middle);
+            }
+        }
+    }
+
     /// Turns the joints to the centre.
     #[inline(always)]
     pub fn turn(&mut self, geometry: &Geometry) {
@@ -126,7 +138,6 @@ pub(super) struct Group<'a, R> {
     pub position2: [R; BRANCHES],
     /// Squared chord left between the wanted and the present axes.
     pub chord2: [R; BRANCHES],
-    workspace: Workspace<R>,
 }
 
 impl<'a, R: Real> Group<'a, R> {
@@ -141,7 +152,6 @@ impl<'a, R: Real> Group<'a, R> {
             inside: [0; BRANCHES],
             position2: [R::zero(); BRANCHES],
             chord2: [R::zero(); BRANCHES],
-            workspace: Workspace::new(job.exact.compiled),
             job,
         }
     }
@@ -151,9 +161,17 @@ impl<'a, R: Real> Group<'a, R> {
     pub fn solve(&mut self) {
         let (form, tool) = (self.job.form, self.job.tool());
         form.solve(&self.goal, tool, self.angle, &self.near.preferred, &mut self.candidates);
-        for b in 0..BRANCHES {
-            self.wrap(b);
-            self.check(b);
+        self.wrap();
+        let exact = &self.job.exact;
+        for (i, pair) in self.candidates.as_chunks::<2>().0.iter().enumerate() {
+            for (way, (position2, chord2)) in
+                exact.miss_pair(pair, &self.goal).into_iter().enumerate()
+            {
+                let b = 2 * i + way;
+                self.reached[b] = exact.is_near(position2, chord2) & !pair[way].merged;
+                self.position2[b] = position2;
+                self.chord2[b] = chord2;
+            }
         }
     }
 
@@ -163,22 +181,13 @@ impl<'a, R: Real> Group<'a, R> {
         arm.solve_at(at, angle, &self.near.preferred, &mut self.candidates);
     }
 
-    /// Brings the joints of a branch within limits by whole turns.
+    /// Brings the joints of all branches within limits by whole turns.
     #[inline(always)]
-    pub fn wrap(&mut self, b: usize) {
-        let q = &mut self.candidates[b].q;
-        self.inside[b] = wrap(self.job.limits(), q, &self.near.centre);
-    }
-
-    /// Checks a branch by forward kinematics.
-    #[inline(always)]
-    fn check(&mut self, b: usize) {
-        let candidate = &self.candidates[b];
-        let exact = &self.job.exact;
-        let (position2, chord2) = exact.miss(&candidate.q, &self.goal, &mut self.workspace);
-        self.reached[b] = exact.is_near(position2, chord2) & !candidate.merged;
-        self.position2[b] = position2;
-        self.chord2[b] = chord2;
+    pub fn wrap(&mut self) {
+        let pairs = self.candidates.as_chunks_mut::<2>().0.iter_mut();
+        for (pair, inside) in pairs.zip(self.inside.as_chunks_mut::<2>().0) {
+            *inside = wrap_pair(self.job.limits(), pair, &self.near.centre);
+        }
     }
 
     /// One lane of this group as a group of its own.

@@ -4,7 +4,7 @@
 //! its place (see [`super::shoulder`]), at most four ways; the last three follow from the
 //! orientation that is left, two ways each.
 
-use super::candidates::{BRANCHES, Candidate, value};
+use super::candidates::{BRANCHES, Candidate, values};
 use super::geometry::Geometry;
 use super::shoulder::{Arm, Kind, Shoulder};
 use super::turn::{Meeting, Side, Turn, advance, components, identity};
@@ -105,13 +105,12 @@ impl SphericalWrist {
             frame = advance(frame, *turn, link);
         }
         let (mx, mz) = (components(frame, wanted.x), components(frame, wanted.z));
-        let first = [
-            value(arm.turns[0], links[0].theta),
-            value(arm.turns[1], links[1].theta),
-            value(arm.turns[2], links[2].theta),
-        ];
+        let first = values(&arm.turns, [links[0].theta, links[1].theta, links[2].theta]);
         let [one, two] = Side::both();
-        [self.branch(arm, first, mx, mz, preferred, one), self.branch(arm, first, mx, mz, preferred, two)]
+        [
+            self.branch(arm, first, mx, mz, preferred, one),
+            self.branch(arm, first, mx, mz, preferred, two),
+        ]
     }
 
     #[inline(always)]
@@ -126,11 +125,8 @@ impl SphericalWrist {
     ) -> Candidate<R> {
         let links = &self.geometry.links;
         let wrist = self.wrist.solve(mx, mz, preferred, side);
-        let last = [
-            value(wrist.turns[0], links[3].theta),
-            value(wrist.turns[1], links[4].theta),
-            value(wrist.turns[2], self.geometry.last_theta),
-        ];
+        let offsets = [links[3].theta, links[4].theta, self.geometry.last_theta];
+        let last = values(&wrist.turns, offsets);
         Candidate {
             q: [first[0], first[1], first[2], last[0], last[1], last[2], R::zero()],
             merged: arm.merged | wrist.merged,

@@ -7,11 +7,11 @@
 //! direction to the wrist. With it the orientations of upper arm and forearm are known,
 //! and each spherical joint has two ways to take them on.
 
-use super::candidates::{BRANCHES, Candidate, value};
+use super::candidates::{BRANCHES, Candidate, value, values};
 use super::geometry::Geometry;
 use super::spherical_wrist::wrist_center;
 use super::turn::{
-    Meeting, Root, Side, Triple, Turn, Turned, advance, components, direction, identity, linear,
+    Meeting, Root, Side, Turn, Turned, advance, components, direction, identity, linear,
 };
 use crate::lanes::{Real, V3, axpy, blend, cross, dot, scale, splat3, sub};
 use crate::task::Goal;
@@ -114,8 +114,7 @@ impl Srs {
     ) -> Reached<R> {
         let line = self.line(goal, tool);
         let [one, two] = Side::both();
-        let elbows =
-            [self.bent(&line, preferred[3], one), self.bent(&line, preferred[3], two)];
+        let elbows = [self.bent(&line, preferred[3], one), self.bent(&line, preferred[3], two)];
         Reached { elbows, line }
     }
 
@@ -254,7 +253,8 @@ impl Srs {
         let [one, two] = Side::both();
         for (elbow, four) in at.elbows.iter().zip(out.as_chunks_mut::<4>().0) {
             let at = self.at(&at.line, elbow, angle);
-            let wrists = [self.last_three(&at, preferred, one), self.last_three(&at, preferred, two)];
+            let wrists =
+                [self.last_three(&at, preferred, one), self.last_three(&at, preferred, two)];
             for (pair, side) in four.as_chunks_mut::<2>().0.iter_mut().zip([one, two]) {
                 let shoulder = self.first_three(&at, preferred, side);
                 *pair = [
@@ -319,16 +319,8 @@ impl Srs {
     /// Joint values of three turns, the first of joint `first`.
     #[inline(always)]
     fn three<R: Real>(&self, of: &Turned<R>, first: usize) -> Three<R> {
-        let turns: &Triple<R> = &of.turns;
-        Three {
-            q: [
-                value(turns[0], self.offset(first)),
-                value(turns[1], self.offset(first + 1)),
-                value(turns[2], self.offset(first + 2)),
-            ],
-            merged: of.merged,
-            singular: of.singular,
-        }
+        let offsets = [self.offset(first), self.offset(first + 1), self.offset(first + 2)];
+        Three { q: values(&of.turns, offsets), merged: of.merged, singular: of.singular }
     }
 
     #[inline(always)]

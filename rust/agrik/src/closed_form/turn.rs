@@ -93,14 +93,7 @@ pub fn minus<R: Real>(turn: Turn<R>, by: Turn<R>) -> Turn<R> {
 /// An angle with `a cos + b sin = c`, of the two the one of a side; where `c` is out of
 /// range, the angle that comes nearest. Where `a` and `b` vanish, any angle does: `fallback`.
 #[inline(always)]
-pub fn linear<R: Real>(
-    a: R,
-    b: R,
-    c: R,
-    least: f64,
-    fallback: Turn<R>,
-    side: Side<R>,
-) -> Root<R> {
+pub fn linear<R: Real>(a: R, b: R, c: R, least: f64, fallback: Turn<R>, side: Side<R>) -> Root<R> {
     let square = a.mul_add(a, b * b);
     let length = square.sqrt();
     let lost = length.lt(R::splat(least));

@@ -2,7 +2,7 @@
 
 use smallvec::{SmallVec, smallvec};
 
-use crate::chain::{Compiled, Twist};
+use crate::chain::{Compiled, Link, Twist};
 use crate::lanes::{Real, V3, axpy, blend, cross, dot, negate, scale, splat3, sub};
 
 /// One entry per joint, on the stack up to 16 of them: a call for one target then
@@ -40,10 +40,7 @@ impl<R: Real> Axis<R> {
 pub struct Workspace<R> {
     /// One entry per moving joint, filled by [`forward`].
     pub axes: PerJoint<Axis<R>>,
-    x: V3<R>,
-    y: V3<R>,
-    z: V3<R>,
-    position: V3<R>,
+    frame: Frame<R>,
 }
 
 impl<R: Real> Workspace<R> {
@@ -51,15 +48,14 @@ impl<R: Real> Workspace<R> {
     pub fn new(chain: &Compiled) -> Self {
         let zero = [R::zero(); 3];
         let axis = Axis { origin: zero, direction: zero };
-        Self { axes: smallvec![axis; chain.links.len()], x: zero, y: zero, z: zero, position: zero }
+        let frame = Frame { x: zero, y: zero, z: zero, position: zero };
+        Self { axes: smallvec![axis; chain.links.len()], frame }
     }
 
     /// A point given in the frame of the last moved joint, in the world.
     #[inline(always)]
     pub fn tool_point(&self, t: [f64; 3]) -> V3<R> {
-        let p = axpy(self.x, R::splat(t[0]), self.position);
-        let p = axpy(self.y, R::splat(t[1]), p);
-        axpy(self.z, R::splat(t[2]), p)
+        self.frame.point(t)
     }
 
     /// A direction given in the frame of the last moved joint, in the world.
@@ -71,15 +67,13 @@ impl<R: Real> Workspace<R> {
     /// Axes (columns) of the last moved joint's frame, in the world.
     #[inline(always)]
     pub fn joint_axes(&self) -> [V3<R>; 3] {
-        [self.x, self.y, self.z]
+        self.frame.axes()
     }
 
     /// Replaces the axes of the last moved joint's frame.
     #[inline(always)]
     pub fn set_joint_axes(&mut self, [x, y, z]: [V3<R>; 3]) {
-        self.x = x;
-        self.y = y;
-        self.z = z;
+        self.frame = Frame { x, y, z, position: self.frame.position };
     }
 
     /// Axes (columns) of a tool frame given by its columns in the last joint's frame.
@@ -113,58 +107,105 @@ pub fn forward_frame<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspa
     pass::<R, false>(chain, q, workspace);
 }
 
-#[inline(always)]
-fn pass<R: Real, const AXES: bool>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
-    let start = &chain.start_rotation;
-    let (mut x, mut y, mut z) =
-        (splat3::<R>(start[0]), splat3::<R>(start[1]), splat3::<R>(start[2]));
-    let mut p = splat3::<R>(chain.start_position);
-    for (link, axis) in chain.links.iter().zip(&mut workspace.axes) {
-        if AXES {
-            *axis = Axis { origin: p, direction: z };
-        }
-        let value = if chain.simple {
-            q[link.variable]
-        } else {
-            q[link.variable] * R::splat(link.multiplier)
-        };
-        let (s, c, along) = if link.prismatic {
-            let (s, c) = link.theta_sin_cos;
-            (R::splat(s), R::splat(c), value + R::splat(link.d))
-        } else {
-            let (s, c) = (value + R::splat(link.theta)).sin_cos();
-            (s, c, R::splat(link.d))
-        };
-        (x, y) = (blend(x, c, y, s), blend(y, c, x, -s));
-        // Asked of the bits, which costs less than asking of the numbers.
-        if link.prismatic || link.d.to_bits() != 0 {
-            p = axpy(z, along, p);
-        }
-        if link.a.to_bits() != 0 {
-            p = axpy(x, R::splat(link.a), p);
-        }
-        match link.twist {
-            Twist::Zero => {}
-            Twist::Half => {
-                y = negate(y);
-                z = negate(z);
-            }
-            Twist::Quarter => (y, z) = (z, negate(y)),
-            Twist::Angle(sine, cosine) => {
-                let (s, c) = (R::splat(sine), R::splat(cosine));
-                (y, z) = (blend(y, c, z, s), blend(z, c, y, -s));
-            }
-            Twist::Full(columns) => {
-                p = axpy(y, R::splat(link.b), p);
-                let axes = [x, y, z];
-                x = turn(axes, columns[0]);
-                y = turn(axes, columns[1]);
-                z = turn(axes, columns[2]);
-            }
+/// The frame of a joint while a pass goes along the chain: its axes and its origin.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame<R> {
+    x: V3<R>,
+    y: V3<R>,
+    z: V3<R>,
+    position: V3<R>,
+}
+
+impl<R: Real> Frame<R> {
+    /// The frame before the first joint.
+    #[inline(always)]
+    pub fn start(chain: &Compiled) -> Self {
+        let start = &chain.start_rotation;
+        Self {
+            x: splat3(start[0]),
+            y: splat3(start[1]),
+            z: splat3(start[2]),
+            position: splat3(chain.start_position),
         }
     }
-    workspace.x = x;
-    workspace.y = y;
-    workspace.z = z;
-    workspace.position = p;
+
+    /// The frame after some more of the moving joints, so that postures with the same first
+    /// joints can share those.
+    #[inline(always)]
+    pub fn after(self, chain: &Compiled, links: std::ops::Range<usize>, q: &[R]) -> Self {
+        let mut frame = self;
+        for link in &chain.links[links] {
+            frame = over(chain, link, q, frame);
+        }
+        frame
+    }
+
+    /// Axes (columns).
+    #[inline(always)]
+    pub fn axes(&self) -> [V3<R>; 3] {
+        [self.x, self.y, self.z]
+    }
+
+    /// A point given in this frame, in the world.
+    #[inline(always)]
+    pub fn point(&self, t: [f64; 3]) -> V3<R> {
+        let p = axpy(self.x, R::splat(t[0]), self.position);
+        let p = axpy(self.y, R::splat(t[1]), p);
+        axpy(self.z, R::splat(t[2]), p)
+    }
+}
+
+#[inline(always)]
+fn pass<R: Real, const AXES: bool>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
+    let mut frame = Frame::start(chain);
+    for (link, axis) in chain.links.iter().zip(&mut workspace.axes) {
+        if AXES {
+            *axis = Axis { origin: frame.position, direction: frame.z };
+        }
+        frame = over(chain, link, q, frame);
+    }
+    workspace.frame = frame;
+}
+
+/// The frame after one joint more.
+#[inline(always)]
+fn over<R: Real>(chain: &Compiled, link: &Link, q: &[R], frame: Frame<R>) -> Frame<R> {
+    let Frame { mut x, mut y, mut z, position: mut p } = frame;
+    let value =
+        if chain.simple { q[link.variable] } else { q[link.variable] * R::splat(link.multiplier) };
+    let (s, c, along) = if link.prismatic {
+        let (s, c) = link.theta_sin_cos;
+        (R::splat(s), R::splat(c), value + R::splat(link.d))
+    } else {
+        let (s, c) = (value + R::splat(link.theta)).sin_cos();
+        (s, c, R::splat(link.d))
+    };
+    (x, y) = (blend(x, c, y, s), blend(y, c, x, -s));
+    // Asked of the bits, which costs less than asking of the numbers.
+    if link.prismatic || link.d.to_bits() != 0 {
+        p = axpy(z, along, p);
+    }
+    if link.a.to_bits() != 0 {
+        p = axpy(x, R::splat(link.a), p);
+    }
+    match link.twist {
+        Twist::Zero => {}
+        Twist::Half => {
+            y = negate(y);
+            z = negate(z);
+        }
+        Twist::Quarter => (y, z) = (z, negate(y)),
+        Twist::Angle(sine, cosine) => {
+            let (s, c) = (R::splat(sine), R::splat(cosine));
+            (y, z) = (blend(y, c, z, s), blend(z, c, y, -s));
+        }
+        Twist::Full(columns) => {
+            p = axpy(y, R::splat(link.b), p);
+            let axes = [x, y, z];
+            x = turn(axes, columns[0]);
+            y = turn(axes, columns[1]);
+            z = turn(axes, columns[2]);
+        }
+    }
+    Frame { x, y, z, position: p }
 }
