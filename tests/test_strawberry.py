@@ -322,3 +322,20 @@ def test_bad_arguments() -> None:
     with pytest.raises(ArgumentError, match="friction"):
         StrawberryArm(friction=0.1).solve(TARGETS)
     assert StrawberryArm(friction=0.1).solve(TARGETS, "as").success.all()
+
+
+def test_theta_of_least_magnitude_is_that_of_the_sets() -> None:
+    """The quick way by sines takes the element that the sets (14)-(16) say, also at ties."""
+    solved = ties = 0
+    for target in inside_box(2000, 31):
+        res = ARM.solve(target, "as", theta_step=0.0)
+        if not res.success:
+            continue
+        solved += 1
+        beta = float(res.q[4])
+        elements = [min(max(0.0, a), b) for a, b in ARM.theta_sets(target, beta)["all"]]
+        ties += len(elements) == 2 and abs(elements[0] + elements[1]) < 1e-12
+        # Of two as near to 0 the negative one, which costs less.
+        assert float(res.q[3]) == pytest.approx(min(elements, key=abs), abs=1e-9)
+    assert solved > 1000
+    assert ties > 100

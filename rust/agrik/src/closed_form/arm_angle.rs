@@ -51,7 +51,7 @@ pub(super) struct Bent {
 pub(super) fn elbows(arm: &Srs, at: &Reached<f64>, limits: &[Limit]) -> Vec<Bent> {
     let mut out = Vec::with_capacity(2);
     for (i, elbow) in at.elbows.iter().enumerate() {
-        let fourth = arm.fourth(elbow);
+        let fourth = elbow.fourth;
         if elbow.merged == 0 && allows(&limits[3], fourth) {
             let shoulder = third_link_parts(at, elbow);
             let wrist = shoulder.map(|m| left_parts(arm, at, elbow, m));

@@ -35,6 +35,8 @@ pub struct Srs {
 pub(super) struct Elbow<R> {
     /// Turn of the fourth joint.
     pub turn: Turn<R>,
+    /// Its value, rad.
+    pub fourth: R,
     /// Frame of the third link's directions: to the wrist, to the elbow at right angles to
     /// it, and the product of both; seen from the third joint.
     pub frame: [V3<R>; 3],
@@ -182,6 +184,7 @@ impl Srs {
         let turn = super::turn::minus((s, c), (R::splat(phase.0), R::splat(phase.1)));
         Elbow {
             turn,
+            fourth: value(turn, self.geometry.links[3].theta),
             frame: [along, side, cross(along, side)],
             merged: bend.merged,
             singular: bend.singular,
@@ -258,8 +261,8 @@ impl Srs {
             for (pair, side) in four.as_chunks_mut::<2>().0.iter_mut().zip([one, two]) {
                 let shoulder = self.first_three(&at, preferred, side);
                 *pair = [
-                    self.branch(elbow, &shoulder, &wrists[0]),
-                    self.branch(elbow, &shoulder, &wrists[1]),
+                    Self::branch(elbow, &shoulder, &wrists[0]),
+                    Self::branch(elbow, &shoulder, &wrists[1]),
                 ];
             }
         }
@@ -282,8 +285,8 @@ impl Srs {
         let shoulder = self.first_three(&at, preferred, Side::by_bit(first, 0));
         let [one, two] = Side::both();
         [
-            self.branch(&elbow, &shoulder, &self.last_three(&at, preferred, one)),
-            self.branch(&elbow, &shoulder, &self.last_three(&at, preferred, two)),
+            Self::branch(&elbow, &shoulder, &self.last_three(&at, preferred, one)),
+            Self::branch(&elbow, &shoulder, &self.last_three(&at, preferred, two)),
         ]
     }
 
@@ -324,19 +327,13 @@ impl Srs {
     }
 
     #[inline(always)]
-    fn branch<R: Real>(&self, elbow: &Elbow<R>, first: &Three<R>, last: &Three<R>) -> Candidate<R> {
-        let fourth = value(elbow.turn, self.geometry.links[3].theta);
+    fn branch<R: Real>(elbow: &Elbow<R>, first: &Three<R>, last: &Three<R>) -> Candidate<R> {
         let (f, l) = (&first.q, &last.q);
         Candidate {
-            q: [f[0], f[1], f[2], fourth, l[0], l[1], l[2]],
+            q: [f[0], f[1], f[2], elbow.fourth, l[0], l[1], l[2]],
             merged: elbow.merged | first.merged | last.merged,
             singular: [first.singular, elbow.singular, last.singular],
         }
-    }
-
-    /// The fourth joint's value where the elbow bends so.
-    pub(super) fn fourth(&self, elbow: &Elbow<f64>) -> f64 {
-        value(elbow.turn, self.geometry.links[3].theta)
     }
 
     /// Shoulder and wrist.

@@ -144,7 +144,8 @@ impl Arm {
         let below = side(-u.high, -u.low, -high, -low);
         let below = below.map(|a| Angle { rad: -a.rad, sin: -a.sin, cos: a.cos });
         match (above, below) {
-            (Some(a), Some(b)) => Some(if b.rad + a.rad > 0.0 { b } else { a }),
+            // Of two as near to 0 the negative one, as the sets are in ascending order.
+            (Some(a), Some(b)) => Some(if a.rad + b.rad >= 0.0 { b } else { a }),
             (a, b) => a.or(b),
         }
     }
