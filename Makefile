@@ -71,7 +71,7 @@ clean: ## remove what the other targets made, the environments included
 
 build: $(NATIVE) ## the release extension, installed into .venv (quick when nothing changed)
 
-oracle: build $(ORACLE)/.done ## compare with Pinocchio on URDFs of real robots (heavy downloads, own environment)
+oracle: build $(ORACLE)/.done ## compare with Pinocchio (URDFs of real robots) and EAIK (branches); heavy downloads, own environment
 	rm -rf target/oracle
 	$(PY) -m maturin build --release $(LOCKED) --quiet --interpreter $(PY) --out target/oracle
 	$(ORACLE)/bin/python -m pip uninstall --quiet --yes agrik_fast

@@ -158,6 +158,32 @@ def test_slopes_match_finite_differences_and_the_printed_ones_do_not() -> None:
     assert abs(printed / ARM.slopes(q[3], q[4])["beta_by_s10"] - 1) > 0.01
 
 
+def test_printed_conditions_cannot_hold() -> None:
+    """(14), (24), (30), (31) and (34) as printed, each with its error."""
+    p = ARM.parameters
+    l2, l3, d = p["l2"], p["l3"], p["d"]
+    # (14): an arcsine of numbers beyond 1 at every random reachable target.
+    q = ik.Robot.load("strawberry").random_q(20_000, seed=1)
+    x, r = ARM.fk(q)[:, 0], l2 + l3 * np.cos(q[:, 4])
+    low, high = ((limit[1] + d[0] - x) / r for limit in (ARM.lower, ARM.upper))
+    assert ((np.abs(low) > 1) | (np.abs(high) > 1)).all()
+    assert (q[:, 3] < 0).mean() > 0.5  # what (15) loses without its other branch
+    # (24) has the sign of PE_f - PE_in: off by twice its size, in N.
+    postures = ARM.solve(TARGETS, "as").q
+    slopes = [ARM.slopes(*posture[3:])["potential_by_s10"] for posture in postures]
+    assert 2 * np.abs(slopes).min() == pytest.approx(7.830, abs=1e-3)
+    # (30) wants the friction's derivative to vanish too: at the least energy it does not.
+    best = ARM.solve(TARGETS).q
+    friction = [abs(ARM.slopes(*posture[3:])["friction_by_s10"]) for posture in best]
+    np.testing.assert_allclose(friction, 4.3534, atol=1e-4)
+    # (31), (32): beta with l2 for l1.
+    sine = (TARGETS[:, 1] - postures[:, 0] - l2 + d[1]) / l3
+    off = np.degrees(np.abs(np.arcsin(sine) - postures[:, 4]))
+    assert off.min() > 11
+    # (34): the arcsine of (x - 80 mm - dx) / r at home, beyond 1 at all targets.
+    assert ((TARGETS[:, 0] - ARM.lower[1] - d[0]) / (l2 + l3) > 2).all()
+
+
 def test_box_corrections() -> None:
     """(6) uses beta_max, (9) and (10) pair the wrong extremes: both exclude reachable targets."""
     p = ARM.parameters
@@ -296,3 +322,20 @@ def test_bad_arguments() -> None:
     with pytest.raises(ArgumentError, match="friction"):
         StrawberryArm(friction=0.1).solve(TARGETS)
     assert StrawberryArm(friction=0.1).solve(TARGETS, "as").success.all()
+
+
+def test_theta_of_least_magnitude_is_that_of_the_sets() -> None:
+    """The quick way by sines takes the element that the sets (14)-(16) say, also at ties."""
+    solved = ties = 0
+    for target in inside_box(2000, 31):
+        res = ARM.solve(target, "as", theta_step=0.0)
+        if not res.success:
+            continue
+        solved += 1
+        beta = float(res.q[4])
+        elements = [min(max(0.0, a), b) for a, b in ARM.theta_sets(target, beta)["all"]]
+        ties += len(elements) == 2 and abs(elements[0] + elements[1]) < 1e-12
+        # Of two as near to 0 the negative one, which costs less.
+        assert float(res.q[3]) == pytest.approx(min(elements, key=abs), abs=1e-9)
+    assert solved > 1000
+    assert ties > 100

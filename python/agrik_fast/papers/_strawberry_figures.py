@@ -52,8 +52,10 @@ def joint_points(arm: StrawberryArm, q: FloatArray) -> FloatArray:
     return np.array([roll - l2 * down, roll, tip])
 
 
-def draw_pose(axes: Any, arm: StrawberryArm, q: FloatArray, target: FloatArray) -> None:
-    """Draw slides, arm, plant sphere and bed in a 3D axes, mm."""
+def draw_pose(
+    axes: Any, arm: StrawberryArm, q: FloatArray, target: FloatArray, close: bool = False
+) -> None:
+    """Draw slides, arm, plant sphere and bed in a 3D axes, mm; `close`: arm and plant alone."""
     points = 1000 * joint_points(arm, q)
     low, high = 1000 * arm.lower, 1000 * arm.upper
     pitch = points[0]
@@ -61,10 +63,12 @@ def draw_pose(axes: Any, arm: StrawberryArm, q: FloatArray, target: FloatArray) 
     # Slides: y (s10) on both sides, x (s21) across, z (s32) down.
     y_rail = pitch[1] - 1000 * float(q[0]) + np.array([low[0], high[0]])
     x_rail = pitch[0] - 1000 * float(q[1]) + np.array([low[1], high[1]])
-    for x in x_rail:
-        axes.plot([x, x], y_rail, [rail_z, rail_z], color="#888888", linewidth=2)
-    axes.plot(x_rail, [pitch[1]] * 2, [rail_z, rail_z], color="#3b5ba5", linewidth=3)
-    axes.plot([pitch[0]] * 2, [pitch[1]] * 2, [rail_z, pitch[2]], color="#c0532b", linewidth=3)
+    if not close:
+        for x in x_rail:
+            axes.plot([x, x], y_rail, [rail_z, rail_z], color="#888888", linewidth=2)
+        axes.plot(x_rail, [pitch[1]] * 2, [rail_z, rail_z], color="#3b5ba5", linewidth=3)
+    top = min(rail_z, pitch[2] + 60) if close else rail_z
+    axes.plot([pitch[0]] * 2, [pitch[1]] * 2, [top, pitch[2]], color="#c0532b", linewidth=3)
     axes.plot(*points.T, "-o", color="#222222", linewidth=2.5, markersize=4)
     axes.plot(*(1000 * target), "x", color="#d01c1c", markersize=7)
     u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 25), np.linspace(0, np.pi, 13))
@@ -78,11 +82,14 @@ def draw_pose(axes: Any, arm: StrawberryArm, q: FloatArray, target: FloatArray) 
         alpha=0.25,
         linewidth=0,
     )
-    _draw_bed(axes, cy, cz)
-    axes.set_xlim(0, 950)
-    axes.set_ylim(0, 850)
-    axes.set_zlim(-650, 50)
-    axes.set_box_aspect((950, 850, 700))
+    if not close:
+        _draw_bed(axes, cy, cz)
+    spans = [(0, 950), (0, 850), (-650, 50)]
+    if close:
+        spans = [(cx - 190, cx + 190), (cy - 190, cy + 190), (cz - 120, cz + 260)]
+    for set_limits, span in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), spans, strict=True):
+        set_limits(*span)
+    axes.set_box_aspect([high - low for low, high in spans], zoom=1.15)
     axes.set_xlabel("x [mm]", fontsize=7)
     axes.set_ylabel("y [mm]", fontsize=7)
     axes.set_zlabel("z [mm]", fontsize=7)
@@ -131,6 +138,6 @@ def table4(directory: Path, arm: StrawberryArm) -> list[Path]:
         for column, method in enumerate(("ncos", "as", "ssas", "exact")):
             axes = drawing.add_subplot(2, 4, 4 * row + column + 1, projection="3d")
             q = arm.solve(target, method).q  # type: ignore[arg-type]
-            draw_pose(axes, arm, q, target)
+            draw_pose(axes, arm, q, target, close=True)
             axes.set_title(_title(arm, q, method), fontsize=8)
     return save(drawing, directory, "table4")

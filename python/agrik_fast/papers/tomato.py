@@ -251,6 +251,9 @@ def _draw_figure8(directory: Path) -> list[Path]:
     bars.bar(place - 0.2, means, 0.4, label="Monte Carlo mean", color="#2a7f62")
     paper = [PUBLISHED[method].error_percent for method in draws]
     bars.bar(place + 0.2, np.nan_to_num(paper), 0.4, label="published", color="#c9c9c9")
+    for at, value in zip(place, paper, strict=True):
+        if math.isnan(value):
+            bars.text(at + 0.2, 0.05, "not given", rotation=90, ha="center", fontsize=8)
     bars.set_xticks(place, list(draws))
     bars.set_ylabel("position error [% of distance]")
     bars.legend(fontsize=8)
@@ -283,7 +286,11 @@ def _draw_arm(directory: Path) -> list[Path]:
     axes.set_ylabel("y [m]")
     axes.set_zlabel("z [m]")
     axes.legend(fontsize=8, title="branch")
-    axes.set_title("All branches of one target", fontsize=10)
+    axes.set_title(
+        "All branches of one target: with the pan half a turn round\n"
+        "the same elbow points are reached by other angles (dotted)",
+        fontsize=9,
+    )
     return save(drawing, directory, "arm")
 
 

@@ -1,10 +1,11 @@
 //! The record of all branches of a call; its arrays are made when they are asked for.
 
-use agrik::closed_form::{self, BRANCHES};
+use agrik::closed_form::{self, Alone, BRANCHES};
 use agrik::solve::Status;
-use numpy::PyArrayDyn;
+use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
+use crate::convert::internal;
 use crate::result::Column;
 
 /// Every branch of the targets of one `Robot.ik_all` call.
@@ -14,6 +15,8 @@ pub struct Branches {
     dof: usize,
     targets: usize,
     solved: usize,
+    /// The branches of a single target, in place of the columns' own numbers.
+    alone: Option<Box<Alone>>,
     q: Column<f64>,
     valid: Column<bool>,
     reached: Column<bool>,
@@ -36,6 +39,7 @@ impl Branches {
             dof,
             targets: all.status.len(),
             solved,
+            alone: None,
             q: q.map_or_else(|| Column::new(all.q), Column::made),
             valid: Column::new(all.valid),
             reached: Column::new(all.reached),
@@ -44,9 +48,34 @@ impl Branches {
         }
     }
 
+    /// The record of a single target.
+    pub fn of_one(dof: usize, alone: Box<Alone>) -> Self {
+        Self {
+            shape: Vec::new(),
+            dof,
+            targets: 1,
+            solved: usize::from(alone.status() == Status::Converged),
+            alone: Some(alone),
+            q: Column::new(Vec::new()),
+            valid: Column::new(Vec::new()),
+            reached: Column::new(Vec::new()),
+            singular: Column::new(Vec::new()),
+            status: Column::new(Vec::new()),
+        }
+    }
+
     fn with(&self, last: &[usize]) -> Vec<usize> {
         [&self.shape, last].concat()
     }
+}
+
+/// One number for each branch of a single target.
+fn each<'py, T: numpy::Element + Copy>(
+    py: Python<'py>,
+    number: impl Fn(usize) -> T,
+) -> Bound<'py, PyArrayDyn<T>> {
+    let numbers: [T; BRANCHES] = std::array::from_fn(number);
+    PyArray1::from_slice(py, &numbers).to_dyn().clone()
 }
 
 #[pymethods]
@@ -54,31 +83,51 @@ impl Branches {
     /// Joint values, shape (..., branches, dof), rad; the nearest where not reached.
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.q.get(py, &self.with(&[BRANCHES, self.dof]))
+        let Some(one) = &self.alone else {
+            return self.q.get(py, &self.with(&[BRANCHES, self.dof]));
+        };
+        self.q.get_or(py, || {
+            let rows = numpy::ndarray::ArrayView::from_shape((BRANCHES, self.dof), one.q());
+            Ok(PyArray2::from_array(py, &rows.map_err(internal)?).to_dyn().clone())
+        })
     }
 
     /// Reached by forward kinematics, inside the limits, no branch twice.
     #[getter]
     fn valid<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<bool>>> {
-        self.valid.get(py, &self.with(&[BRANCHES]))
+        match &self.alone {
+            None => self.valid.get(py, &self.with(&[BRANCHES])),
+            Some(one) => self.valid.get_or(py, || Ok(each(py, |b| one.valid(b)))),
+        }
     }
 
     /// `valid` without regard to the limits.
     #[getter]
     fn reached<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<bool>>> {
-        self.reached.get(py, &self.with(&[BRANCHES]))
+        match &self.alone {
+            None => self.reached.get(py, &self.with(&[BRANCHES])),
+            Some(one) => self.reached.get_or(py, || Ok(each(py, |b| one.reached(b)))),
+        }
     }
 
     /// Singularities of each branch, a sum of codes of `agrik_fast.Singularity`.
     #[getter]
     fn singular<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
-        self.singular.get(py, &self.with(&[BRANCHES]))
+        match &self.alone {
+            None => self.singular.get(py, &self.with(&[BRANCHES])),
+            Some(one) => self.singular.get_or(py, || Ok(each(py, |b| one.singular(b)))),
+        }
     }
 
     /// Codes of `agrik_fast.Status`.
     #[getter]
     fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
-        self.status.get(py, &self.shape)
+        match &self.alone {
+            None => self.status.get(py, &self.shape),
+            Some(one) => {
+                self.status.get_or(py, || crate::convert::array(py, &[], vec![one.status() as u8]))
+            }
+        }
     }
 
     fn __repr__(&self) -> String {

@@ -225,6 +225,11 @@ pub fn whole(argument: &str, value: &Bound<'_, PyAny>, low: u64, high: u64) -> P
     }
 }
 
+/// A whole number that may be left out, 0 then.
+pub fn index(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<u64> {
+    value.map_or(Ok(0), |value| whole(argument, value, 0, u64::MAX))
+}
+
 /// A number; its range is the caller's business.
 pub fn real(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     if let Ok(number) = value.cast_exact::<PyFloat>() {

@@ -17,11 +17,11 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
 use crate::branches::Branches;
-use crate::convert::{self, Floats, numbers, shape_text, transform};
+use crate::convert::{self, Floats, numbers, shape_text};
 use crate::result::IkResult;
 use crate::solver::{self, Chosen};
 use crate::targets::{Targets, first_not_rigid, goals, not_rigid_error};
-use crate::{errors, task, threads};
+use crate::{errors, single, task, threads};
 
 /// Time between two looks at pending signals of a call that has released the interpreter
 /// and has to wait for it each time. Results do not depend on it.
@@ -61,27 +61,13 @@ pub struct Options {
 
 impl Options {
     pub fn new(chain: &Chain, given: &Arguments<'_, '_>, are_poses: bool) -> PyResult<Self> {
-        let index = |name: &str, value: Option<&Bound<'_, PyAny>>| {
-            value.map_or(Ok(0), |value| convert::whole(name, value, 0, u64::MAX))
-        };
-        let mut tolerance = Tolerance::default();
-        if let Some(value) = given.position_tolerance {
-            tolerance.position = convert::real("position_tolerance", value)?;
-        }
-        if let Some(value) = given.orientation_tolerance {
-            tolerance.orientation = convert::real("orientation_tolerance", value)?;
-        }
-        let tail = match given.tool {
-            None => None,
-            Some(tool) => Some(chain.compiled().tail_with(&transform("tool", tool)?)),
-        };
         Ok(Self {
             wanted: task::wanted(given.task, are_poses)?,
             solver: solver::chosen(given.solver, chain.name())?,
-            tolerance,
-            tail,
-            seed: index("seed", given.seed)?,
-            first_index: index("first_index", given.first_index)?,
+            tolerance: single::tolerance(given)?,
+            tail: single::tail(chain, given)?,
+            seed: convert::index("seed", given.seed)?,
+            first_index: convert::index("first_index", given.first_index)?,
             threads: threads::number(given.threads, "threads")?,
         })
     }
@@ -194,6 +180,9 @@ impl<'py> Call<'py> {
 
 /// Solves the targets of a call.
 pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResult<IkResult> {
+    if let Some(found) = single::best(py, chain, given)? {
+        return Ok(found);
+    }
     let call = Call::new(py, chain, given)?;
     let mut points = Vec::new();
     let plan = call.plan(py, chain, &mut points)?;
@@ -201,19 +190,20 @@ pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResu
     let threads = call.options.threads;
     let mut signals = Signals::new();
     let closed = match &call.options.solver {
-        Chosen::ClosedForm { choice, arm_angle } => {
-            Some((arm_angle.map_or(ArmAngle::Free, ArmAngle::One), *choice))
+        Chosen::ClosedForm { choice, arm_angle, proof } => {
+            Some((arm_angle.map_or(ArmAngle::Free, ArmAngle::One), *choice, *proof))
         }
         Chosen::Auto if plan.task().fixes_pose() && ClosedForm::of(chain).is_ok() => {
-            Some((ArmAngle::Free, Choice::default()))
+            Some((ArmAngle::Free, Choice::default(), false))
         }
         _ => None,
     };
     let query = match closed {
         None => None,
-        Some((angle, choice)) => {
+        Some((angle, choice, proof)) => {
             let query = Query::new(&plan, angle, choice);
-            Some(query.map_err(|error| errors::from_core(py, error))?)
+            let query = query.map_err(|error| errors::from_core(py, error))?;
+            Some(if proof { query.with_proof() } else { query })
         }
     };
     let answers = match (&call.options.solver, &query) {
@@ -242,6 +232,9 @@ pub fn solve_all<'py>(
     given: &Arguments<'_, 'py>,
     arm_angle: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Branches> {
+    if let Some(found) = single::all(py, chain, given, arm_angle)? {
+        return Ok(found);
+    }
     let call = Call::new(py, chain, given)?;
     let leading = call.targets.leading_shape();
     if !call.targets.are_poses() {

@@ -13,6 +13,7 @@ mod ik;
 mod kinematics;
 mod population;
 mod result;
+mod single;
 mod solver;
 mod strawberry;
 mod targets;

@@ -33,13 +33,22 @@ impl<T: Element + Copy> Column<T> {
         py: Python<'py>,
         shape: &[usize],
     ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
-        let made = self.array.get_or_try_init(py, || {
+        self.get_or(py, || {
             // The lock is let go before Python runs.
             let mut locked = self.values.lock().unwrap_or_else(PoisonError::into_inner);
             let values = std::mem::take(&mut *locked);
             drop(locked);
-            Ok::<_, PyErr>(array(py, shape, values)?.unbind())
-        })?;
+            array(py, shape, values)
+        })
+    }
+
+    /// The array, made by `make` where it has not been yet.
+    pub(crate) fn get_or<'py>(
+        &self,
+        py: Python<'py>,
+        make: impl FnOnce() -> PyResult<Bound<'py, PyArrayDyn<T>>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+        let made = self.array.get_or_try_init(py, || Ok::<_, PyErr>(make()?.unbind()))?;
         Ok(made.bind(py).clone())
     }
 }

@@ -27,8 +27,10 @@ const STARTS: [(&str, StartRule); 3] =
 const ORDERS: [(&str, PidOrder); 2] =
     [("tip-first", PidOrder::TipFirst), ("base-first", PidOrder::BaseFirst)];
 
-const CLOSED_FORM: &str = "closed_form";
-const AUTO: &str = "auto";
+/// Name of the closed form.
+pub const CLOSED_FORM: &str = "closed_form";
+/// Name of the choice between a closed form and the default step solver.
+pub const AUTO: &str = "auto";
 const CHOICES: [(&str, Choice); 3] =
     [("nearest", Choice::Nearest), ("margin", Choice::Margin), ("middle", Choice::Middle)];
 
@@ -41,6 +43,8 @@ pub enum Chosen {
     ClosedForm {
         choice: Choice,
         arm_angle: Option<f64>,
+        /// The best arm angle is proven to be the best.
+        proof: bool,
     },
     /// A closed form where there is one, else the default step solver.
     Auto,
@@ -81,15 +85,26 @@ pub fn chosen(solver: Option<&Bound<'_, PyAny>>, robot: &str) -> PyResult<Chosen
     Ok(Chosen::Step(settings(solver, robot)?))
 }
 
+/// Choice and arm angle of a closed form given as an object; `None` for other solvers.
+pub fn closed_form_of(solver: &Bound<'_, PyAny>) -> PyResult<Option<(Choice, Option<f64>)>> {
+    let Ok(name) = solver.getattr("name") else { return Ok(None) };
+    let is_closed = name.cast::<PyString>().is_ok_and(|name| name == CLOSED_FORM);
+    match if is_closed { closed_form(Some(solver))? } else { Chosen::Auto } {
+        Chosen::ClosedForm { choice, arm_angle, .. } => Ok(Some((choice, arm_angle))),
+        _ => Ok(None),
+    }
+}
+
 /// The closed form with the fields of a solver object, or with the defaults.
 fn closed_form(solver: Option<&Bound<'_, PyAny>>) -> PyResult<Chosen> {
     let Some(solver) = solver else {
-        return Ok(Chosen::ClosedForm { choice: Choice::default(), arm_angle: None });
+        return Ok(Chosen::ClosedForm { choice: Choice::default(), arm_angle: None, proof: true });
     };
     let choice = word("choose", &solver.getattr("choose")?, &CHOICES)?;
     let angle = solver.getattr("arm_angle")?;
     let arm_angle = if angle.is_none() { None } else { Some(real("arm_angle", &angle)?) };
-    Ok(Chosen::ClosedForm { choice, arm_angle })
+    let proof = solver.getattr("certify")?.is_truthy()?;
+    Ok(Chosen::ClosedForm { choice, arm_angle, proof })
 }
 
 /// One of a few words.

@@ -67,7 +67,7 @@ impl<'py> Targets<'py> {
 }
 
 /// A single pose in an array of doubles, without a detour over NumPy's functions.
-fn lone_pose(value: &Bound<'_, PyAny>) -> Option<[f64; 16]> {
+pub fn lone_pose(value: &Bound<'_, PyAny>) -> Option<[f64; 16]> {
     let array = value.cast::<PyArray2<f64>>().ok()?;
     if array.dims() != numpy::Ix2(4, 4) || !array.is_aligned() {
         return None;

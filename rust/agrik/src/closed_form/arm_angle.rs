@@ -1,4 +1,4 @@
-//! Arm angles of S-R-S arms: which of them the joint limits allow, and the best of them.
+//! Arm angles of S-R-S arms: which of them the joint limits allow.
 //!
 //! The third link's orientation at the arm angle `psi` is `C + A cos(psi) + B sin(psi)`
 //! with constant matrices, and so is what is left to the wrist. A joint of three whose
@@ -9,23 +9,17 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::candidates::Lanes;
 use super::check::{Limit, SLACK};
-use super::choose::Choice;
-use super::settle::Group;
+use super::settle::{Group, Job};
 use super::srs::{Elbow, Reached, Srs};
-use super::turn::{Meeting, advance, components};
-use super::{BRANCHES, ClosedForm, JOINTS};
+use super::turn::{Meeting, Side, advance, components};
+use super::{BRANCHES, ClosedForm};
 use crate::chain::{Chain, Tail};
 use crate::error::{Error, Result};
-use crate::lanes::{Real, V3, atan2};
+use crate::lanes::{V3, atan2};
 use crate::solve::Tolerance;
 use crate::task::pose_goal;
 
-/// Arm angles of the first look at each target.
-const SAMPLES: usize = 8;
-/// Closer looks, each of which narrows the place of the best.
-const LOOKS: usize = 3;
 /// Roots that neighbour one another by less are one, rad.
 const SAME: f64 = 1e-12;
 
@@ -39,112 +33,49 @@ pub struct Interval {
 }
 
 /// A matrix (columns) for each of the constant, cosine and sine parts.
-type Parts = [[V3<f64>; 3]; 3];
+pub(super) type Parts = [[V3<f64>; 3]; 3];
 
-/// Puts the best arm angle of each lane of `used` into the group; returns the lanes for
-/// which it is proven that no arm angle brings a branch inside the limits.
-#[inline(always)]
-pub(super) fn search<R: Real>(
-    arm: &Srs,
-    group: &mut Group<'_, R>,
-    choice: Choice,
-    used: Lanes,
-) -> Lanes {
-    let at = arm.reach(&group.goal, group.tool(), group.preferred());
-    let step = TAU / SAMPLES as f64;
-    let mut cost = R::splat(f64::INFINITY);
-    let mut psi = R::zero();
-    for k in 0..SAMPLES {
-        look(arm, &at, group, choice, R::splat(k as f64 * step - PI), &mut cost, &mut psi);
-    }
-    let mut width = step;
-    for _ in 0..LOOKS {
-        width *= 0.5;
-        let middle = psi;
-        look(arm, &at, group, choice, middle - R::splat(width), &mut cost, &mut psi);
-        look(arm, &at, group, choice, middle + R::splat(width), &mut cost, &mut psi);
-    }
-    let mut proven = 0;
-    let mut left = used & !R::bits(cost.lt(R::splat(f64::MAX)));
-    while left != 0 {
-        let lane = left.trailing_zeros() as usize;
-        left &= left - 1;
-        match best_interval(arm, group, choice, lane) {
-            Some(best) => psi.set_lane(lane, best),
-            None => proven |= 1 << lane,
-        }
-    }
-    group.angle = psi.sin_cos();
-    proven
+/// An elbow that the fourth joint's limits allow, and what it leaves to the others.
+pub(super) struct Bent {
+    /// Which of the two.
+    pub elbow: usize,
+    /// The fourth joint's value, rad.
+    pub fourth: f64,
+    /// The rotation that the first three joints have to bring about.
+    pub shoulder: Parts,
+    /// The same of the last three.
+    pub wrist: Parts,
 }
 
-/// Takes an arm angle for the best where it is better than the best so far.
-#[inline(always)]
-fn look<R: Real>(
-    arm: &Srs,
-    at: &Reached<R>,
-    group: &mut Group<'_, R>,
-    choice: Choice,
-    angle: R,
-    cost: &mut R,
-    psi: &mut R,
-) {
-    group.solve_at(arm, at, angle.sin_cos());
-    let mut inside = [0; BRANCHES];
-    for (b, lanes) in inside.iter_mut().enumerate() {
-        group.wrap(b);
-        *lanes = group.inside[b] & !group.candidates[b].merged;
-    }
-    let best = choice.pick(group, &inside);
-    let better = best.cost.lt(*cost);
-    *cost = R::select(better, best.cost, *cost);
-    *psi = R::select(better, angle, *psi);
-}
-
-/// The best middle of the allowed intervals of one lane.
-#[inline(never)]
-fn best_interval<R: Real>(
-    arm: &Srs,
-    group: &Group<'_, R>,
-    choice: Choice,
-    lane: usize,
-) -> Option<f64> {
-    let mut single = group.one_lane(lane);
-    let at = arm.reach(&single.goal, single.tool(), single.preferred());
-    let (mut cost, mut psi) = (f64::INFINITY, 0.0);
-    for branch in intervals_of(arm, &at, &single.limits) {
-        for interval in branch {
-            for share in [0.5, 0.1, 0.9] {
-                let angle = interval.lower + share * (interval.upper - interval.lower);
-                look(arm, &at, &mut single, choice, angle, &mut cost, &mut psi);
-            }
+/// The elbows that the fourth joint's limits allow.
+pub(super) fn elbows(arm: &Srs, at: &Reached<f64>, limits: &[Limit]) -> Vec<Bent> {
+    let mut out = Vec::with_capacity(2);
+    for (i, elbow) in at.elbows.iter().enumerate() {
+        let fourth = elbow.fourth;
+        if elbow.merged == 0 && allows(&limits[3], fourth) {
+            let shoulder = third_link_parts(at, elbow);
+            let wrist = shoulder.map(|m| left_parts(arm, at, elbow, m));
+            out.push(Bent { elbow: i, fourth, shoulder, wrist });
         }
     }
-    cost.is_finite().then_some(psi)
+    out
 }
 
 /// The arm angles that the limits allow, for each branch.
 pub(super) fn intervals_of(
     arm: &Srs,
     at: &Reached<f64>,
-    limits: &[Limit; JOINTS],
+    limits: &[Limit],
 ) -> [Vec<Interval>; BRANCHES] {
     let mut out: [Vec<Interval>; BRANCHES] = Default::default();
-    for (e, elbow) in at.elbows.iter().enumerate() {
-        if elbow.merged != 0 || !allows(&limits[3], arm.fourth(elbow)) {
-            continue;
-        }
-        let upper = third_link_parts(at, elbow);
-        let wrist = upper.map(|m| left_parts(arm, at, elbow, m));
-        let (one, two) = arm.meetings();
+    let joints = |first: usize| [0, 1, 2].map(|j| (limits[first + j], arm.offset(first + j)));
+    let (one, two) = arm.meetings();
+    for bent in elbows(arm, at, limits) {
+        let last = [0, 1].map(|j| pieces(two, &bent.wrist, j, &joints(4)));
         for i in 0..2 {
-            let first = pieces(one, &upper, i, &[0, 1, 2].map(|j| (limits[j], arm.offset(j))));
-            if first.is_empty() {
-                continue;
-            }
-            for j in 0..2 {
-                let last = pieces(two, &wrist, j, &[4, 5, 6].map(|j| (limits[j], arm.offset(j))));
-                out[4 * e + 2 * i + j] = common(&first, &last);
+            let first = pieces(one, &bent.shoulder, i, &joints(0));
+            for (j, last) in last.iter().enumerate() {
+                out[4 * bent.elbow + 2 * i + j] = common(&first, last);
             }
         }
     }
@@ -153,7 +84,7 @@ pub(super) fn intervals_of(
 
 /// The third link's orientation as constant, cosine and sine parts.
 fn third_link_parts(at: &Reached<f64>, elbow: &Elbow<f64>) -> Parts {
-    let [to, zero, across] = at.line;
+    let [to, zero, across] = at.line.frame;
     let [f0, f1, f2] = elbow.frame;
     let outer = |a: V3<f64>, f: V3<f64>, b: V3<f64>, g: V3<f64>| {
         [0, 1, 2].map(|k| [0, 1, 2].map(|i| a[i] * f[k] + b[i] * g[k]))
@@ -177,9 +108,9 @@ fn left_parts(
     let fourth = advance(third, (0.0, 1.0), &links[2]);
     let fifth = advance(fourth, elbow.turn, &links[3]);
     [
-        components(fifth, at.wanted[0]),
-        components(fifth, at.wanted[1]),
-        components(fifth, at.wanted[2]),
+        components(fifth, at.line.wanted[0]),
+        components(fifth, at.line.wanted[1]),
+        components(fifth, at.line.wanted[2]),
     ]
 }
 
@@ -194,22 +125,7 @@ fn pieces(
     let (s1, c1) = (meeting.one.sine, meeting.one.cosine);
     let (s2, c2) = (meeting.two.sine, meeting.two.cosine);
     let mut cuts = Vec::with_capacity(16);
-    for (j, (limit, offset)) in limits.iter().enumerate() {
-        if 2.0 * limit.half >= TAU {
-            continue;
-        }
-        for value in [limit.lower, limit.upper] {
-            let (s, c) = (value + offset).sin_cos();
-            // m[column][row]
-            let product = |m: &[V3<f64>; 3]| match j {
-                0 => -s1 * (c * m[2][1] - s * m[2][0]) + c1 * m[2][2],
-                1 => m[2][2],
-                _ => s2 * (s * m[0][2] + c * m[1][2]) + c2 * m[2][2],
-            };
-            let wanted = [c2, c1 * c2 - s1 * s2 * c, c1][j];
-            roots(product(&parts[0]) - wanted, product(&parts[1]), product(&parts[2]), &mut cuts);
-        }
-    }
+    limit_cuts(meeting, parts, limits, &mut cuts);
     // The branches trade places where first and third axis are in line.
     for wanted in [c1 * c2 - s1 * s2, c1 * c2 + s1 * s2] {
         let [k0, k1, k2] = [0, 1, 2].map(|p| parts[p][2][2]);
@@ -226,8 +142,10 @@ fn pieces(
         let (s, c) = psi.sin_cos();
         let column =
             |k: usize| [0, 1, 2].map(|i| parts[0][k][i] + c * parts[1][k][i] + s * parts[2][k][i]);
-        let (triples, ..) = meeting.solve(column(0), column(2), (0.0, 1.0));
-        triples[branch]
+        let side = Side::both()[branch];
+        let found = meeting.solve(column(0), column(2), (0.0, 1.0), side);
+        found
+            .turns
             .iter()
             .zip(limits)
             .all(|(turn, (limit, offset))| allows(limit, atan2(turn.0, turn.1) - offset))
@@ -257,6 +175,33 @@ fn pieces(
     out
 }
 
+/// Where one of three joints is at a limit, on either branch; limits as for [`pieces`].
+pub(super) fn limit_cuts(
+    meeting: &Meeting,
+    parts: &Parts,
+    limits: &[(Limit, f64); 3],
+    cuts: &mut Vec<f64>,
+) {
+    let (s1, c1) = (meeting.one.sine, meeting.one.cosine);
+    let (s2, c2) = (meeting.two.sine, meeting.two.cosine);
+    for (j, (limit, offset)) in limits.iter().enumerate() {
+        if 2.0 * limit.half >= TAU {
+            continue;
+        }
+        for value in [limit.lower, limit.upper] {
+            let (s, c) = (value + offset).sin_cos();
+            // m[column][row]
+            let product = |m: &[V3<f64>; 3]| match j {
+                0 => -s1 * (c * m[2][1] - s * m[2][0]) + c1 * m[2][2],
+                1 => m[2][2],
+                _ => s2 * (s * m[0][2] + c * m[1][2]) + c2 * m[2][2],
+            };
+            let wanted = [c2, c1 * c2 - s1 * s2 * c, c1][j];
+            roots(product(&parts[0]) - wanted, product(&parts[1]), product(&parts[2]), cuts);
+        }
+    }
+}
+
 /// Roots of `k0 + k1 cos + k2 sin`.
 fn roots(k0: f64, k1: f64, k2: f64, out: &mut Vec<f64>) {
     let size = k1.hypot(k2);
@@ -267,7 +212,7 @@ fn roots(k0: f64, k1: f64, k2: f64, out: &mut Vec<f64>) {
     }
 }
 
-fn wrap(angle: f64) -> f64 {
+pub(super) fn wrap(angle: f64) -> f64 {
     let x = angle - TAU * (angle / TAU).round();
     if x >= PI { x - TAU } else { x }
 }
@@ -321,11 +266,11 @@ pub fn intervals(
     let tail = tail.unwrap_or(chain.compiled().tail);
     let position = [pose[3], pose[7], pose[11]];
     let rotation = [0, 1, 2].map(|j| [pose[j], pose[4 + j], pose[8 + j]]);
-    let mut group = Group::<f64>::new(chain, form, tail, Tolerance::default());
+    let mut group = Group::<f64>::new(Job::new(chain, form, tail, Tolerance::default()));
     group.goal = pose_goal(position, rotation, &tail);
     group.solve();
-    let at = arm.reach(&group.goal, group.tool(), group.preferred());
-    let found = intervals_of(arm, &at, &group.limits);
+    let at = arm.reach(&group.goal, group.job.tool(), &group.near.preferred);
+    let found = intervals_of(arm, &at, group.job.limits());
     // A wrist too far away is so at every arm angle.
     let reached = (0..BRANCHES).map(|b| group.reaches(b));
     Ok(found.into_iter().zip(reached).map(|(all, ok)| if ok { all } else { Vec::new() }).collect())

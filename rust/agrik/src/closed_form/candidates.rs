@@ -1,7 +1,7 @@
 //! The branches of one lane group: joint values, and what is known of each branch.
 
 use super::turn::Turn;
-use crate::lanes::{Real, atan2};
+use crate::lanes::{Real, atan2, atan2_each};
 
 /// Most branches of any closed form here.
 pub const BRANCHES: usize = 8;
@@ -43,6 +43,14 @@ impl<R: Real> Candidate<R> {
         let [shoulder, elbow, wrist] = self.singular;
         bit(shoulder, SHOULDER) | bit(elbow, ELBOW) | bit(wrist, WRIST)
     }
+}
+
+/// The joint values of three turns that are counted from offsets.
+#[inline(always)]
+pub fn values<R: Real>(turns: &[Turn<R>; 3], offsets: [f64; 3]) -> [R; 3] {
+    let [a, b, c] = *turns;
+    let [x, y, z] = atan2_each([a.0, b.0, c.0], [a.1, b.1, c.1]);
+    [x - R::splat(offsets[0]), y - R::splat(offsets[1]), z - R::splat(offsets[2])]
 }
 
 /// The joint value of a turn that is counted from `offset`.

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::candidates::{JOINTS, Lanes};
+use super::candidates::{Candidate, JOINTS, Lanes};
 use crate::chain::{Compiled, Tail, Variable};
-use crate::kinematics::{Workspace, forward};
+use crate::kinematics::Frame;
 use crate::lanes::{Real, dot, sub};
 use crate::solve::Tolerance;
 use crate::task::Goal;
@@ -13,7 +13,7 @@ use crate::task::Goal;
 pub const SLACK: f64 = 1e-10;
 
 /// A joint's limits and the value that it stays near.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limit {
     pub lower: f64,
     pub upper: f64,
@@ -36,7 +36,7 @@ impl Limit {
 /// Brings joint values within limits by whole turns, each the nearest to its centre that
 /// is inside; returns the lanes in which all are.
 #[inline(always)]
-pub fn wrap<R: Real>(limits: &[Limit], q: &mut [R; JOINTS], centre: &[R; JOINTS]) -> Lanes {
+fn wrap<R: Real>(limits: &[Limit], q: &mut [R], centre: &[R]) -> Lanes {
     let mut inside = R::mask_from_bits(u32::MAX);
     let (turn, slack) = (R::splat(TAU), R::splat(SLACK));
     for ((limit, q), centre) in limits.iter().zip(q).zip(centre) {
@@ -52,6 +52,27 @@ pub fn wrap<R: Real>(limits: &[Limit], q: &mut [R; JOINTS], centre: &[R; JOINTS]
         *q = R::select(near, held, x);
     }
     R::bits(inside)
+}
+
+/// Two branches that differ in the last three joints alone.
+pub type Pair<R> = [Candidate<R>; 2];
+
+/// Brings the joint values of a pair of branches within limits by whole turns; returns, for
+/// each, the lanes in which all are.
+#[inline(always)]
+pub fn wrap_pair<R: Real>(
+    limits: &[Limit],
+    [one, two]: &mut Pair<R>,
+    centre: &[R; JOINTS],
+) -> [Lanes; 2] {
+    let shared = limits.len() - 3;
+    let ahead = wrap(&limits[..shared], &mut one.q[..shared], centre);
+    two.q[..shared].copy_from_slice(&one.q[..shared]);
+    // No closure for both: it would not be compiled for the lanes' instructions.
+    let (limits, centre) = (&limits[shared..], &centre[shared..]);
+    let first = wrap(limits, &mut one.q[shared..], centre);
+    let second = wrap(limits, &mut two.q[shared..], centre);
+    [ahead & first, ahead & second]
 }
 
 /// The chain as it was given, and how near is near enough.
@@ -83,26 +104,32 @@ impl<'a> Exact<'a> {
         }
     }
 
-    /// Squared distance (m^2) and squared chord between the axes that are left to a goal.
+    /// Squared distance (m^2) and squared chord between the axes that are left to a goal,
+    /// for each branch of a pair.
     #[inline(always)]
-    pub fn miss<R: Real>(
-        &self,
-        q: &[R; JOINTS],
-        goal: &Goal<R>,
-        workspace: &mut Workspace<R>,
-    ) -> (R, R) {
+    pub fn miss_pair<R: Real>(&self, pair: &Pair<R>, goal: &Goal<R>) -> [(R, R); 2] {
+        let (joints, shared) = (self.variables.len(), self.variables.len() - 3);
         let mut ordered = [R::zero(); JOINTS];
-        for (x, variable) in q.iter().zip(self.variables) {
+        for (x, variable) in pair[0].q.iter().zip(self.variables) {
             ordered[*variable] = *x;
         }
-        forward(self.compiled, &ordered, workspace);
-        let axes = workspace.joint_axes();
+        let start = Frame::start(self.compiled).after(self.compiled, 0..shared, &ordered);
+        let one = start.after(self.compiled, shared..joints, &ordered);
+        for (x, variable) in pair[1].q.iter().zip(self.variables).skip(shared) {
+            ordered[*variable] = *x;
+        }
+        let two = start.after(self.compiled, shared..joints, &ordered);
+        [self.left(&one, goal), self.left(&two, goal)]
+    }
+
+    #[inline(always)]
+    fn left<R: Real>(&self, frame: &Frame<R>, goal: &Goal<R>) -> (R, R) {
         let mut chord2 = R::zero();
-        for (axis, wanted) in axes.iter().zip(&goal.axes) {
+        for (axis, wanted) in frame.axes().iter().zip(&goal.axes) {
             let d = sub(*axis, *wanted);
             chord2 += dot(d, d);
         }
-        let d = sub(workspace.tool_point(self.tail.translation), goal.position);
+        let d = sub(frame.point(self.tail.translation), goal.position);
         (dot(d, d), chord2)
     }
 

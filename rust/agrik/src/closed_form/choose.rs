@@ -1,6 +1,7 @@
 //! Which of several valid branches is the answer.
 
-use super::candidates::{BRANCHES, Lanes};
+use super::candidates::{BRANCHES, JOINTS, Lanes};
+use super::check::Limit;
 use super::settle::Group;
 use crate::lanes::Real;
 
@@ -30,16 +31,20 @@ pub(super) struct Best<R> {
 }
 
 impl Choice {
-    /// The cost of a branch, one for each lane; the least is best.
+    /// The cost of joint values along the chain, one for each lane; the least is best.
     #[inline(always)]
-    pub(super) fn cost<R: Real>(self, group: &Group<'_, R>, b: usize) -> R {
-        let q = &group.candidates[b].q;
+    pub(super) fn cost<R: Real>(
+        self,
+        q: &[R; JOINTS],
+        centre: &[R; JOINTS],
+        limits: &[Limit],
+    ) -> R {
         let mut sum = R::zero();
         let mut worst = R::splat(f64::MAX);
-        for (j, limit) in group.limits.iter().enumerate().take(group.joints) {
+        for (j, limit) in limits.iter().enumerate() {
             match self {
                 Self::Nearest => {
-                    let off = q[j] - group.centre[j];
+                    let off = q[j] - centre[j];
                     sum = off.mul_add(off, sum);
                 }
                 _ if limit.half == f64::INFINITY => {}
@@ -66,7 +71,7 @@ impl Choice {
             if *lanes == 0 {
                 continue;
             }
-            let cost = self.cost(group, b);
+            let cost = self.cost(&group.candidates[b].q, &group.near.centre, group.job.limits());
             let better = R::and(cost.lt(best.cost), R::mask_from_bits(*lanes));
             best.cost = R::select(better, cost, best.cost);
             best.branch = R::select(better, R::splat(b as f64), best.branch);

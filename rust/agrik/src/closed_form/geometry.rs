@@ -7,7 +7,9 @@
 
 use nalgebra::Vector3;
 
-use crate::chain::{Chain, Compiled};
+use super::check::Limit;
+use super::turn::Turn;
+use crate::chain::{Chain, Compiled, Variable};
 use crate::kinematics::{Workspace, forward};
 
 /// Lengths below this share of the reach count as zero, and sines below it as well.
@@ -44,6 +46,10 @@ pub struct Geometry {
     pub last_shift: f64,
     /// Which entry of `q` moves each joint.
     pub variables: Vec<usize>,
+    /// Limits of each joint.
+    pub limits: Vec<Limit>,
+    /// Turn of each joint, from its common normal, at the middle of its limits.
+    pub middle: Vec<Turn<f64>>,
     /// Length below which a distance counts as zero, m.
     pub tolerance: f64,
 }
@@ -60,10 +66,14 @@ impl Geometry {
         if !alone {
             return Err("a joint follows another".to_owned());
         }
-        Self::of_compiled(compiled, chain.reach().radius)
+        Self::of_compiled(compiled, chain.variables(), chain.reach().radius)
     }
 
-    fn of_compiled(compiled: &Compiled, reach: f64) -> Result<Self, String> {
+    fn of_compiled(
+        compiled: &Compiled,
+        variables: &[Variable],
+        reach: f64,
+    ) -> Result<Self, String> {
         let mut workspace = Workspace::<f64>::new(compiled);
         forward(compiled, &vec![0.0; compiled.dof], &mut workspace);
         let tolerance = TOLERANCE * reach;
@@ -95,15 +105,28 @@ impl Geometry {
         }
         let (last_p, last_h) = lines[lines.len() - 1];
         let [last_x, ..] = workspace.joint_axes();
+        let last_theta = angle_about(&last_h, &normal, &Vector3::from(last_x));
+        let order: Vec<usize> = compiled.links.iter().map(|link| link.variable).collect();
+        let limits: Vec<Limit> = order.iter().map(|i| Limit::of(&variables[*i])).collect();
+        let offsets = links.iter().map(|link| link.theta).chain([last_theta]);
+        let middle = limits.iter().zip(offsets);
         Ok(Self {
+            middle: middle.map(|(limit, offset)| (limit.middle + offset).sin_cos()).collect(),
+            limits,
             origin: origin.into(),
             axes: [x.into(), first.cross(&x).into(), first.into()],
             links,
-            last_theta: angle_about(&last_h, &normal, &Vector3::from(last_x)),
+            last_theta,
             last_shift: (foot - last_p).dot(&last_h),
-            variables: compiled.links.iter().map(|link| link.variable).collect(),
+            variables: order,
             tolerance,
         })
+    }
+
+    /// What a joint's turn is counted from, rad.
+    #[inline(always)]
+    pub fn offset(&self, joint: usize) -> f64 {
+        self.links.get(joint).map_or(self.last_theta, |link| link.theta)
     }
 
     /// How far three neighbouring axes, the first of them `first` (from 0), are from

@@ -1,21 +1,26 @@
 //! Closed forms: arms whose geometry gives every branch of the inverse kinematics without
 //! iteration.
 //!
-//! [`ClosedForm::of`] recognises the family of a chain once; [`query`] holds the calls:
-//! all branches of each target, or the best branch by a stated criterion (a call of
-//! [`crate::batch::solve`]). A family solves
+//! [`ClosedForm::of`] recognises the family of a chain once; a [`Query`] is a call: for all
+//! branches of each target ([`all`]), or for the best branch by a stated criterion
+//! ([`crate::batch::solve`]). [`alone`] takes a single pose without much ado. A family solves
 //! whole lane groups through [`ClosedForm::solve`]; limits, the check by forward
 //! kinematics and the choice are common to all (see [`settle`]). The papers' own arms,
 //! [`strawberry`] and [`tomato`], have closed forms of their own.
 
+mod all;
+mod alone;
 pub mod arm_angle;
+mod best;
+mod best_angle;
 mod branches;
 mod candidates;
+mod certify;
 mod check;
 mod choose;
 mod geometry;
 mod quartic;
-pub mod query;
+mod query;
 mod settle;
 mod shoulder;
 mod spherical_wrist;
@@ -23,12 +28,16 @@ mod srs;
 pub mod strawberry;
 pub mod tomato;
 mod turn;
+mod wheel;
 
+pub use all::{all, all_into};
+pub use alone::{Alone, Single, alone};
+pub use best::best_alone;
 pub use branches::{Branches, BranchesMut};
 pub use candidates::{BRANCHES, Candidate, ELBOW, JOINTS, SHOULDER, WRIST};
 pub use choose::Choice;
 pub use geometry::{Geometry, Link, TOLERANCE};
-pub use query::{ArmAngle, Query, all, all_into};
+pub use query::{ArmAngle, Query};
 pub use shoulder::Kind;
 pub use spherical_wrist::SphericalWrist;
 pub use srs::Srs;
@@ -97,6 +106,23 @@ impl ClosedForm {
         match self {
             Self::SphericalWrist(arm) => arm.solve(goal, tool, preferred, out),
             Self::Srs(arm) => arm.solve(goal, tool, angle, preferred, out),
+        }
+    }
+
+    /// The branches `2 (first + i)` and the one after it in lane `i`, for one goal and arm
+    /// angle that are in every lane; over again from the fifth pair.
+    #[inline(always)]
+    pub fn side_by_side<R: Real>(
+        &self,
+        goal: &Goal<R>,
+        tool: [f64; 3],
+        angle: Turn<R>,
+        preferred: &[Turn<R>],
+        first: usize,
+    ) -> [Candidate<R>; 2] {
+        match self {
+            Self::SphericalWrist(arm) => arm.side_by_side(goal, tool, preferred, first),
+            Self::Srs(arm) => arm.side_by_side(goal, tool, angle, preferred, first),
         }
     }
 }

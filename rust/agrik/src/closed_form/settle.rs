@@ -1,7 +1,8 @@
 //! A lane group at work: what every closed form does with its goals and candidates.
 
 use super::candidates::{BRANCHES, Candidate, JOINTS, Lanes};
-use super::check::{Exact, Limit, wrap};
+use super::check::{Exact, Limit, wrap_pair};
+use super::choose::Choice;
 use super::srs::{Reached, Srs};
 use super::turn::Turn;
 use super::{ClosedForm, geometry::Geometry};
@@ -11,17 +12,122 @@ use crate::lanes::Real;
 use crate::solve::Tolerance;
 use crate::task::Goal;
 
+/// What all targets of a call share: the arm, its limits, and when it is near enough.
+#[derive(Clone, Copy)]
+pub(super) struct Job<'a> {
+    pub form: &'a ClosedForm,
+    pub geometry: &'a Geometry,
+    pub exact: Exact<'a>,
+}
+
+impl<'a> Job<'a> {
+    pub fn new(chain: &'a Chain, form: &'a ClosedForm, tail: Tail, tolerance: Tolerance) -> Self {
+        let geometry = form.geometry();
+        let exact = Exact::new(chain.compiled(), &geometry.variables, tail, tolerance);
+        Self { form, geometry, exact }
+    }
+
+    /// Limits along the chain.
+    #[inline(always)]
+    pub fn limits(&self) -> &'a [Limit] {
+        &self.geometry.limits
+    }
+
+    /// Which entry of `q` each joint along the chain is.
+    #[inline(always)]
+    pub fn variables(&self) -> &'a [usize] {
+        &self.geometry.variables
+    }
+
+    /// The tool point in the last joint's frame.
+    #[inline(always)]
+    pub fn tool(&self) -> [f64; 3] {
+        self.exact.tail.translation
+    }
+
+    /// Joint values inside the limits, in place of an answer.
+    pub fn stand_in(&self, q: &mut [f64]) {
+        for (variable, limit) in self.variables().iter().zip(self.limits()) {
+            q[*variable] = 0.0_f64.clamp(limit.lower, limit.upper);
+        }
+    }
+
+    /// Axes of the last joint's frame and the tool point at `q`.
+    pub fn pose(&self, q: &[f64]) -> ([[f64; 3]; 3], [f64; 3]) {
+        let mut workspace = Workspace::new(self.exact.compiled);
+        forward(self.exact.compiled, q, &mut workspace);
+        (workspace.joint_axes(), workspace.tool_point(self.tool()))
+    }
+}
+
+/// What the answers stay near, where they can choose.
+#[derive(Clone, Copy)]
+pub(super) struct Near<R> {
+    /// Values along the chain.
+    pub centre: [R; JOINTS],
+    /// Their turns from the common normals: what angles take that nothing decides.
+    pub preferred: [Turn<R>; JOINTS],
+}
+
+impl<R: Real> Near<R> {
+    /// The middle of the limits.
+    #[inline(always)]
+    pub fn middle(geometry: &Geometry) -> Self {
+        let mut near =
+            Self { centre: [R::zero(); JOINTS], preferred: [(R::zero(), R::splat(1.0)); JOINTS] };
+        for (j, (limit, turn)) in geometry.limits.iter().zip(&geometry.middle).enumerate() {
+            near.centre[j] = R::splat(limit.middle);
+            near.preferred[j] = (R::splat(turn.0), R::splat(turn.1));
+        }
+        near
+    }
+
+    /// One target's start values in every lane, or the middle of the limits.
+    #[inline(always)]
+    pub fn to(geometry: &Geometry, q0: Option<&[f64]>) -> Self {
+        let mut near = Self::middle(geometry);
+        if let Some(q0) = q0 {
+            for lane in 0..R::WIDTH {
+                near.set(geometry, lane, q0);
+            }
+            near.turn(geometry);
+        }
+        near
+    }
+
+    /// Makes `q` (in the order of `q`) the centre of one lane; [`Self::turn`] is due.
+    #[inline(always)]
+    pub fn set(&mut self, geometry: &Geometry, lane: usize, q: &[f64]) {
+        let joints = geometry.variables.iter().zip(&geometry.limits);
+        for (centre, (variable, limit)) in self.centre.iter_mut().zip(joints) {
+            centre.set_lane(lane, q[*variable].clamp(limit.lower, limit.upper));
+        }
+    }
+
+    /// A choice that does not look at the start values takes the values nearest to the
+    /// middle of the limits.
+    #[inline(always)]
+    pub fn judged_by(&mut self, choice: Choice, geometry: &Geometry) {
+        if choice != Choice::Nearest {
+            for (centre, limit) in self.centre.iter_mut().zip(&geometry.limits) {
+                *centre = R::splat(limit.middle);
+            }
+        }
+    }
+
+    /// Turns the joints to the centre.
+    #[inline(always)]
+    pub fn turn(&mut self, geometry: &Geometry) {
+        for j in 0..geometry.limits.len() {
+            self.preferred[j] = (self.centre[j] + R::splat(geometry.offset(j))).sin_cos();
+        }
+    }
+}
+
 /// One lane group at work: goals in, checked branches out.
 pub(super) struct Group<'a, R> {
-    pub form: &'a ClosedForm,
-    geometry: &'a Geometry,
-    exact: Exact<'a>,
-    /// Limits along the chain.
-    pub limits: [Limit; JOINTS],
-    pub joints: usize,
-    /// Values along the chain that the answers stay near.
-    pub centre: [R; JOINTS],
-    preferred: [Turn<R>; JOINTS],
+    pub job: Job<'a>,
+    pub near: Near<R>,
     pub goal: Goal<R>,
     /// Sine and cosine of the arm angle.
     pub angle: Turn<R>,
@@ -32,205 +138,84 @@ pub(super) struct Group<'a, R> {
     pub position2: [R; BRANCHES],
     /// Squared chord left between the wanted and the present axes.
     pub chord2: [R; BRANCHES],
-    workspace: Workspace<R>,
 }
 
 impl<'a, R: Real> Group<'a, R> {
     #[inline(always)]
-    pub fn new(chain: &'a Chain, form: &'a ClosedForm, tail: Tail, tolerance: Tolerance) -> Self {
-        let geometry = form.geometry();
-        let none = Limit { lower: 0.0, upper: 0.0, middle: 0.0, half: f64::INFINITY };
-        let mut limits = [none; JOINTS];
-        for (limit, variable) in limits.iter_mut().zip(&geometry.variables) {
-            *limit = Limit::of(&chain.variables()[*variable]);
-        }
-        let turn = (R::zero(), R::splat(1.0));
-        let mut group = Self {
-            form,
-            exact: Exact::new(chain.compiled(), &geometry.variables, tail, tolerance),
-            geometry,
-            limits,
-            joints: geometry.variables.len(),
-            centre: [R::zero(); JOINTS],
-            preferred: [turn; JOINTS],
+    pub fn new(job: Job<'a>) -> Self {
+        Self {
+            near: Near::middle(job.geometry),
             goal: Goal::zero(),
-            angle: turn,
+            angle: (R::zero(), R::splat(1.0)),
             candidates: [Candidate::none(); BRANCHES],
             reached: [0; BRANCHES],
             inside: [0; BRANCHES],
             position2: [R::zero(); BRANCHES],
             chord2: [R::zero(); BRANCHES],
-            workspace: Workspace::new(chain.compiled()),
-        };
-        for (centre, limit) in group.centre.iter_mut().zip(&group.limits) {
-            *centre = R::splat(limit.middle);
-        }
-        group.prefer();
-        group
-    }
-
-    /// Makes `q` (in the order of `q`) the centre of one lane; [`Self::prefer`] is due.
-    #[inline(always)]
-    pub fn set_centre(&mut self, lane: usize, q: &[f64]) {
-        for (j, variable) in self.geometry.variables.iter().enumerate() {
-            let Limit { lower, upper, .. } = self.limits[j];
-            self.centre[j].set_lane(lane, q[*variable].clamp(lower, upper));
-        }
-    }
-
-    /// Angles that nothing decides are taken from the centre from now on.
-    #[inline(always)]
-    pub fn prefer(&mut self) {
-        let g = self.geometry;
-        for j in 0..self.joints {
-            let offset = if j + 1 < self.joints { g.links[j].theta } else { g.last_theta };
-            self.preferred[j] = (self.centre[j] + R::splat(offset)).sin_cos();
+            job,
         }
     }
 
     /// Solves the goals.
     #[inline(always)]
     pub fn solve(&mut self) {
-        let tool = self.exact.tail.translation;
-        self.form.solve(&self.goal, tool, self.angle, &self.preferred, &mut self.candidates);
-        for b in 0..BRANCHES {
-            self.wrap(b);
-            self.check(b);
-        }
-    }
-
-    /// Solves the goal of a group of one lane; its branches are brought within limits and
-    /// checked side by side in the lanes of another number type.
-    #[inline(always)]
-    pub fn solve_with<W: Real>(&mut self, workspace: &mut Workspace<W>) {
-        let tool = self.exact.tail.translation;
-        self.form.solve(&self.goal, tool, self.angle, &self.preferred, &mut self.candidates);
-        let mut goal = Goal::<W>::zero();
-        for i in 0..3 {
-            goal.position[i] = W::splat(self.goal.position[i].lane(0));
-            for k in 0..3 {
-                goal.axes[k][i] = W::splat(self.goal.axes[k][i].lane(0));
+        let (form, tool) = (self.job.form, self.job.tool());
+        form.solve(&self.goal, tool, self.angle, &self.near.preferred, &mut self.candidates);
+        self.wrap();
+        let exact = &self.job.exact;
+        for (i, pair) in self.candidates.as_chunks::<2>().0.iter().enumerate() {
+            for (way, (position2, chord2)) in
+                exact.miss_pair(pair, &self.goal).into_iter().enumerate()
+            {
+                let b = 2 * i + way;
+                self.reached[b] = exact.is_near(position2, chord2) & !pair[way].merged;
+                self.position2[b] = position2;
+                self.chord2[b] = chord2;
             }
-        }
-        let mut centre = [W::zero(); JOINTS];
-        let mut q = [W::zero(); JOINTS];
-        for j in 0..self.joints {
-            centre[j] = W::splat(self.centre[j].lane(0));
-        }
-        let mut first = 0;
-        while first < BRANCHES {
-            let some = &mut self.candidates[first..BRANCHES.min(first + W::WIDTH)];
-            for (lane, from) in some.iter().enumerate() {
-                for (to, x) in q.iter_mut().zip(&from.q) {
-                    to.set_lane(lane, x.lane(0));
-                }
-            }
-            let inside = wrap(&self.limits[..self.joints], &mut q, &centre);
-            let (position2, chord2) = self.exact.miss(&q, &goal, workspace);
-            let near = self.exact.is_near(position2, chord2);
-            for (lane, to) in some.iter_mut().enumerate() {
-                for (to, x) in to.q.iter_mut().zip(&q) {
-                    to.set_lane(0, x.lane(lane));
-                }
-                self.reached[first + lane] = near >> lane & !to.merged & 1;
-                self.inside[first + lane] = inside >> lane & 1;
-            }
-            first += W::WIDTH;
         }
     }
 
     /// Branches at an arm angle, not yet within limits nor checked.
     #[inline(always)]
     pub fn solve_at(&mut self, arm: &Srs, at: &Reached<R>, angle: Turn<R>) {
-        arm.solve_at(at, angle, &self.preferred, &mut self.candidates);
+        arm.solve_at(at, angle, &self.near.preferred, &mut self.candidates);
     }
 
-    /// Brings the joints of a branch within limits by whole turns.
+    /// Brings the joints of all branches within limits by whole turns.
     #[inline(always)]
-    pub fn wrap(&mut self, b: usize) {
-        let q = &mut self.candidates[b].q;
-        self.inside[b] = wrap(&self.limits[..self.joints], q, &self.centre);
-    }
-
-    /// Checks a branch by forward kinematics.
-    #[inline(always)]
-    fn check(&mut self, b: usize) {
-        let candidate = &self.candidates[b];
-        let (position2, chord2) = self.exact.miss(&candidate.q, &self.goal, &mut self.workspace);
-        self.reached[b] = self.exact.is_near(position2, chord2) & !candidate.merged;
-        self.position2[b] = position2;
-        self.chord2[b] = chord2;
-    }
-
-    /// The tool point in the last joint's frame.
-    #[inline(always)]
-    pub fn tool(&self) -> [f64; 3] {
-        self.exact.tail.translation
-    }
-
-    /// Where angles stand that nothing decides.
-    #[inline(always)]
-    pub fn preferred(&self) -> &[Turn<R>] {
-        &self.preferred
+    pub fn wrap(&mut self) {
+        let pairs = self.candidates.as_chunks_mut::<2>().0.iter_mut();
+        for (pair, inside) in pairs.zip(self.inside.as_chunks_mut::<2>().0) {
+            *inside = wrap_pair(self.job.limits(), pair, &self.near.centre);
+        }
     }
 
     /// One lane of this group as a group of its own.
     pub fn one_lane(&self, lane: usize) -> Group<'a, f64> {
         let of = |x: &R| x.lane(lane);
         let turn = |t: &Turn<R>| (of(&t.0), of(&t.1));
-        let none = (0.0, 1.0);
-        let mut centre = [0.0; JOINTS];
-        let mut preferred = [none; JOINTS];
+        let mut single = Group::<f64>::new(self.job);
         for j in 0..JOINTS {
-            centre[j] = of(&self.centre[j]);
-            preferred[j] = turn(&self.preferred[j]);
+            single.near.centre[j] = of(&self.near.centre[j]);
+            single.near.preferred[j] = turn(&self.near.preferred[j]);
         }
-        let goal = Goal {
-            position: [0, 1, 2].map(|i| of(&self.goal.position[i])),
-            axes: [0, 1, 2].map(|k| [0, 1, 2].map(|i| of(&self.goal.axes[k][i]))),
-        };
-        Group {
-            form: self.form,
-            exact: self.exact,
-            geometry: self.geometry,
-            limits: self.limits,
-            joints: self.joints,
-            centre,
-            preferred,
-            goal,
-            angle: turn(&self.angle),
-            candidates: [Candidate::none(); BRANCHES],
-            reached: [0; BRANCHES],
-            inside: [0; BRANCHES],
-            position2: [0.0; BRANCHES],
-            chord2: [0.0; BRANCHES],
-            workspace: Workspace::new(self.exact.compiled),
-        }
+        single.goal = self.goal_of(lane);
+        single.angle = turn(&self.angle);
+        single
     }
 
-    /// Which entry of `q` each joint along the chain is.
-    pub fn variables(&self) -> &'a [usize] {
-        &self.geometry.variables
-    }
-
-    /// Joint values inside the limits, in place of an answer.
-    pub fn stand_in(&self, q: &mut [f64]) {
-        for (variable, limit) in self.geometry.variables.iter().zip(&self.limits) {
-            q[*variable] = 0.0_f64.clamp(limit.lower, limit.upper);
+    /// The goal of one lane.
+    pub fn goal_of(&self, lane: usize) -> Goal<f64> {
+        Goal {
+            position: [0, 1, 2].map(|i| self.goal.position[i].lane(lane)),
+            axes: [0, 1, 2].map(|k| [0, 1, 2].map(|i| self.goal.axes[k][i].lane(lane))),
         }
-    }
-
-    /// Axes of the last joint's frame and the tool point at `q`.
-    pub fn pose(&self, q: &[f64]) -> ([[f64; 3]; 3], [f64; 3]) {
-        let mut workspace = Workspace::new(self.exact.compiled);
-        forward(self.exact.compiled, q, &mut workspace);
-        (workspace.joint_axes(), workspace.tool_point(self.exact.tail.translation))
     }
 
     /// A branch of a single target is within the tolerances, whether or not it is another
     /// branch over again.
     pub fn reaches(&self, b: usize) -> bool {
-        self.exact.is_near(self.position2[b].lane(0), self.chord2[b].lane(0)) & 1 != 0
+        self.job.exact.is_near(self.position2[b].lane(0), self.chord2[b].lane(0)) & 1 != 0
     }
 
     /// Lanes in which a branch is reached and inside the limits.

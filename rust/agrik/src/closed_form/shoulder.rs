@@ -10,7 +10,7 @@
 
 use super::geometry::{Geometry, Link};
 use super::quartic;
-use super::turn::{SINGULAR, Turn, linear, minus, turned, unit_turn};
+use super::turn::{Root, SINGULAR, Side, Turn, linear, minus, turned, unit_turn};
 use crate::lanes::{Real, V3};
 
 /// Which equations come apart.
@@ -57,15 +57,6 @@ pub struct Arm<R> {
     pub elbow: u32,
 }
 
-impl<R: Real> Arm<R> {
-    /// No arm.
-    #[inline(always)]
-    pub fn none() -> Self {
-        let turn = (R::zero(), R::splat(1.0));
-        Self { turns: [turn; 3], merged: u32::MAX, shoulder: 0, elbow: 0 }
-    }
-}
-
 impl Shoulder {
     /// The first three joints of a geometry whose last three axes meet, or why they
     /// cannot place the wrist's centre.
@@ -109,20 +100,64 @@ impl Shoulder {
         self.kind
     }
 
-    /// All arms that put the wrist's centre at `p`, seen from the first joint; unused
-    /// entries are merged in every lane. An angle that nothing decides is taken from
-    /// `preferred`.
+    /// All arms that put the wrist's centre at `p`, seen from the first joint. An angle
+    /// that nothing decides is taken from `preferred`.
     #[inline(always)]
-    pub fn solve<R: Real>(&self, p: V3<R>, preferred: &[Turn<R>; 3], arms: &mut [Arm<R>; 4]) {
-        match self.kind {
-            Kind::ParallelElbow => self.parallel_elbow(p, preferred, arms),
-            Kind::ParallelBase | Kind::MeetingBase => self.separate(p, preferred, arms),
-            Kind::General => self.general(p, preferred, arms),
+    pub fn solve<R: Real>(&self, p: V3<R>, preferred: &[Turn<R>; 3]) -> [Arm<R>; 4] {
+        let roots = match self.kind {
+            Kind::General => self.third_turns(p, R::WIDTH),
+            _ => [Root::none(); 4],
+        };
+        let [one, two] = Side::both();
+        [
+            self.arm(p, [one, one], roots[0], preferred),
+            self.arm(p, [one, two], roots[1], preferred),
+            self.arm(p, [two, one], roots[2], preferred),
+            self.arm(p, [two, two], roots[3], preferred),
+        ]
+    }
+
+    /// The same arms for one `p` that is in every lane: the arm `first + i` in lane `i`, over
+    /// again from the fifth.
+    #[inline(always)]
+    pub fn side_by_side<R: Real>(
+        &self,
+        p: V3<R>,
+        first: usize,
+        preferred: &[Turn<R>; 3],
+    ) -> Arm<R> {
+        let mut root = Root::<R>::none();
+        if self.kind == Kind::General {
+            let all = self.third_turns(p, 1);
+            for lane in 0..R::WIDTH {
+                let of = &all[(first + lane) % 4];
+                root.turn.0.set_lane(lane, of.turn.0.lane(0));
+                root.turn.1.set_lane(lane, of.turn.1.lane(0));
+                root.merged |= (of.merged & 1) << lane;
+                root.singular |= (of.singular & 1) << lane;
+            }
         }
+        self.arm(p, [Side::by_bit(first, 1), Side::by_bit(first, 0)], root, preferred)
+    }
+
+    /// One arm a lane: of a side for each of two equations, or for a root of the general
+    /// one.
+    #[inline(always)]
+    fn arm<R: Real>(
+        &self,
+        p: V3<R>,
+        sides: [Side<R>; 2],
+        root: Root<R>,
+        preferred: &[Turn<R>; 3],
+    ) -> Arm<R> {
+        let mut arm = match self.kind {
+            Kind::ParallelElbow => self.parallel_elbow(p, sides, preferred),
+            Kind::ParallelBase | Kind::MeetingBase => self.separate(p, sides, preferred),
+            Kind::General => self.general(p, root, preferred),
+        };
         let phase = (R::splat(self.phase.0), R::splat(self.phase.1));
-        for arm in arms {
-            arm.turns[2] = minus(arm.turns[2], phase);
-        }
+        arm.turns[2] = minus(arm.turns[2], phase);
+        arm
     }
 
     /// The wrist's centre seen from the second joint, for a turn of the third (counted
@@ -149,7 +184,12 @@ impl Shoulder {
     }
 
     #[inline(always)]
-    fn parallel_elbow<R: Real>(&self, p: V3<R>, preferred: &[Turn<R>; 3], arms: &mut [Arm<R>; 4]) {
+    fn parallel_elbow<R: Real>(
+        &self,
+        p: V3<R>,
+        [front, bend]: [Side<R>; 2],
+        preferred: &[Turn<R>; 3],
+    ) -> Arm<R> {
         let Link { d, a, sine, cosine, .. } = self.one;
         // The centre's way along axes 2 and 3 never changes.
         let along = self.two.d + self.two.cosine * self.height;
@@ -161,47 +201,48 @@ impl Shoulder {
         let shoulder = R::bits(x1.lt(R::splat(self.near)));
         let (upper, fore) = (self.two.a, self.radius);
         let scale = R::splat(0.5 / (upper * fore));
-        let side = R::splat(self.two.cosine);
-        for (i, sign) in [1.0, -1.0].into_iter().enumerate() {
-            let x1 = x1 * R::splat(sign);
-            let first = self.first(p, x1, y1, preferred[0]);
-            let x = x1 - R::splat(a);
-            let span = x.mul_add(x, across * across);
-            let cosine = (span - R::splat(upper * upper + fore * fore)) * scale;
-            let elbow = linear(R::splat(1.0), R::zero(), cosine, 0.0, preferred[2]);
-            for (j, third) in elbow.turns.into_iter().enumerate() {
-                let (vy, vx) = (
-                    third.0 * side * R::splat(fore),
-                    third.1.mul_add(R::splat(fore), R::splat(upper)),
-                );
-                let second = unit_turn(
-                    across.mul_add(vx, -(x * vy)),
-                    x.mul_add(vx, across * vy),
-                    self.least * self.least,
-                    preferred[1],
-                );
-                arms[2 * i + j] = Arm {
-                    turns: [first, second, third],
-                    merged: if i == 1 { rim } else { 0 } | if j == 1 { elbow.merged } else { 0 },
-                    shoulder,
-                    elbow: elbow.singular,
-                };
-            }
+        let x1 = x1 * front.sign;
+        let first = self.first(p, x1, y1, preferred[0]);
+        let x = x1 - R::splat(a);
+        let span = x.mul_add(x, across * across);
+        let cosine = (span - R::splat(upper * upper + fore * fore)) * scale;
+        let elbow = linear(R::splat(1.0), R::zero(), cosine, 0.0, preferred[2], bend);
+        let third = elbow.turn;
+        let (vy, vx) = (
+            third.0 * R::splat(self.two.cosine) * R::splat(fore),
+            third.1.mul_add(R::splat(fore), R::splat(upper)),
+        );
+        let second = unit_turn(
+            across.mul_add(vx, -(x * vy)),
+            x.mul_add(vx, across * vy),
+            self.least * self.least,
+            preferred[1],
+        );
+        Arm {
+            turns: [first, second, third],
+            merged: rim & front.second | elbow.merged,
+            shoulder,
+            elbow: elbow.singular,
         }
     }
 
     /// Parallel or meeting first axes: an equation for the third angle, then one for the
     /// second.
     #[inline(always)]
-    fn separate<R: Real>(&self, p: V3<R>, preferred: &[Turn<R>; 3], arms: &mut [Arm<R>; 4]) {
+    fn separate<R: Real>(
+        &self,
+        p: V3<R>,
+        [bend, lean]: [Side<R>; 2],
+        preferred: &[Turn<R>; 3],
+    ) -> Arm<R> {
         let (one, two) = (self.one, self.two);
         let up = p[2] - R::splat(one.d);
         let ring = p[0].mul_add(p[0], p[1] * p[1]);
         let r = self.radius;
-        let thirds = if self.kind == Kind::ParallelBase {
+        let third = if self.kind == Kind::ParallelBase {
             // up = +-v_z
             let c = up * R::splat(one.cosine) - R::splat(two.d + two.cosine * self.height);
-            linear(R::zero(), R::splat(two.sine * r), c, 0.0, preferred[2])
+            linear(R::zero(), R::splat(two.sine * r), c, 0.0, preferred[2], bend)
         } else {
             // |p|^2 = |v|^2
             let fixed = two.a * two.a
@@ -211,32 +252,26 @@ impl Shoulder {
                 + 2.0 * two.d * two.cosine * self.height;
             let c = up.mul_add(up, ring) - R::splat(fixed);
             let (a, b) = (2.0 * two.a * r, 2.0 * two.d * two.sine * r);
-            linear(R::splat(a), R::splat(b), c, 0.0, preferred[2])
+            linear(R::splat(a), R::splat(b), c, 0.0, preferred[2], bend)
         };
-        for (i, third) in thirds.turns.into_iter().enumerate() {
-            let v = self.seen_from_second(third);
-            let seconds = if self.kind == Kind::ParallelBase {
-                // ring = a^2 + vx^2 + vy^2 + 2 a (vx cos t2 - vy sin t2)
-                let c = ring - R::splat(one.a * one.a) - v[0].mul_add(v[0], v[1] * v[1]);
-                let c = c * R::splat(0.5 / one.a);
-                linear(v[0], -v[1], c, self.least, preferred[1])
-            } else {
-                // up = sine (vx sin t2 + vy cos t2) + cosine vz
-                let c = (up - v[2] * R::splat(one.cosine)) * R::splat(1.0 / one.sine);
-                linear(v[1], v[0], c, self.least, preferred[1])
-            };
-            for (j, second) in seconds.turns.into_iter().enumerate() {
-                let first = self.first_after(p, v, second, preferred[0]);
-                let near = R::bits(ring.lt(R::splat(self.near * self.near)));
-                let (elbow, shoulder) = (thirds.singular, seconds.singular | near);
-                arms[2 * i + j] = Arm {
-                    turns: [first, second, third],
-                    merged: if i == 1 { thirds.merged } else { 0 }
-                        | if j == 1 { seconds.merged } else { 0 },
-                    shoulder,
-                    elbow,
-                };
-            }
+        let v = self.seen_from_second(third.turn);
+        let second = if self.kind == Kind::ParallelBase {
+            // ring = a^2 + vx^2 + vy^2 + 2 a (vx cos t2 - vy sin t2)
+            let c = ring - R::splat(one.a * one.a) - v[0].mul_add(v[0], v[1] * v[1]);
+            let c = c * R::splat(0.5 / one.a);
+            linear(v[0], -v[1], c, self.least, preferred[1], lean)
+        } else {
+            // up = sine (vx sin t2 + vy cos t2) + cosine vz
+            let c = (up - v[2] * R::splat(one.cosine)) * R::splat(1.0 / one.sine);
+            linear(v[1], v[0], c, self.least, preferred[1], lean)
+        };
+        let first = self.first_after(p, v, second.turn, preferred[0]);
+        let near = R::bits(ring.lt(R::splat(self.near * self.near)));
+        Arm {
+            turns: [first, second.turn, third.turn],
+            merged: third.merged | second.merged,
+            shoulder: second.singular | near,
+            elbow: third.singular,
         }
     }
 
@@ -254,45 +289,48 @@ impl Shoulder {
         self.first(p, x + R::splat(self.one.a), y, preferred)
     }
 
-    /// The equation of the fourth degree, lane by lane: arms of this kind are rare.
+    /// Solutions of the equation of the fourth degree in the first lanes, one after the
+    /// other: arms of this kind are rare.
     #[inline(always)]
-    fn general<R: Real>(&self, p: V3<R>, preferred: &[Turn<R>; 3], arms: &mut [Arm<R>; 4]) {
+    fn third_turns<R: Real>(&self, p: V3<R>, lanes: usize) -> [Root<R>; 4] {
+        let up = p[2] - R::splat(self.one.d);
+        let ring = p[0].mul_add(p[0], p[1] * p[1]);
+        let mut out = [Root::<R>::none(); 4];
+        for lane in 0..lanes {
+            let roots = self.third_roots(up.lane(lane), ring.lane(lane));
+            for (one, root) in out.iter_mut().zip(roots) {
+                one.turn.0.set_lane(lane, root.turn.0);
+                one.turn.1.set_lane(lane, root.turn.1);
+                one.merged |= u32::from(root.merged) << lane;
+                one.singular |= u32::from(root.singular) << lane;
+            }
+        }
+        out
+    }
+
+    /// The arm for a solution of that equation.
+    #[inline(always)]
+    fn general<R: Real>(&self, p: V3<R>, root: Root<R>, preferred: &[Turn<R>; 3]) -> Arm<R> {
         let one = self.one;
         let up = p[2] - R::splat(one.d);
         let ring = p[0].mul_add(p[0], p[1] * p[1]);
-        let mut thirds = [(R::zero(), R::splat(1.0)); 4];
-        let mut merged = [0_u32; 4];
-        let mut singular = [0_u32; 4];
-        for lane in 0..R::WIDTH {
-            let roots = self.third_roots(up.lane(lane), ring.lane(lane));
-            for (k, root) in roots.into_iter().enumerate() {
-                thirds[k].0.set_lane(lane, root.turn.0);
-                thirds[k].1.set_lane(lane, root.turn.1);
-                merged[k] |= u32::from(root.merged) << lane;
-                singular[k] |= u32::from(root.singular) << lane;
-            }
-        }
-        for (k, third) in thirds.into_iter().enumerate() {
-            let v = self.seen_from_second(third);
-            // x and y of the centre after the second joint's turn.
-            let square = v[0].mul_add(v[0], v[1].mul_add(v[1], v[2] * v[2]));
-            let x =
-                (up.mul_add(up, ring) - square - R::splat(one.a * one.a)) * R::splat(0.5 / one.a);
-            let y = (up - v[2] * R::splat(one.cosine)) * R::splat(1.0 / one.sine);
-            let second = unit_turn(
-                y.mul_add(v[0], -(x * v[1])),
-                x.mul_add(v[0], y * v[1]),
-                self.least * self.least,
-                preferred[1],
-            );
-            let first = self.first_after(p, v, second, preferred[0]);
-            let near = R::bits(ring.lt(R::splat(self.near * self.near)));
-            arms[k] = Arm {
-                turns: [first, second, third],
-                merged: merged[k],
-                shoulder: near,
-                elbow: singular[k],
-            };
+        let v = self.seen_from_second(root.turn);
+        // x and y of the centre after the second joint's turn.
+        let square = v[0].mul_add(v[0], v[1].mul_add(v[1], v[2] * v[2]));
+        let x = (up.mul_add(up, ring) - square - R::splat(one.a * one.a)) * R::splat(0.5 / one.a);
+        let y = (up - v[2] * R::splat(one.cosine)) * R::splat(1.0 / one.sine);
+        let second = unit_turn(
+            y.mul_add(v[0], -(x * v[1])),
+            x.mul_add(v[0], y * v[1]),
+            self.least * self.least,
+            preferred[1],
+        );
+        let first = self.first_after(p, v, second, preferred[0]);
+        Arm {
+            turns: [first, second, root.turn],
+            merged: root.merged,
+            shoulder: R::bits(ring.lt(R::splat(self.near * self.near))),
+            elbow: root.singular,
         }
     }
 

@@ -4,10 +4,10 @@
 //! its place (see [`super::shoulder`]), at most four ways; the last three follow from the
 //! orientation that is left, two ways each.
 
-use super::candidates::{BRANCHES, Candidate, value};
+use super::candidates::{BRANCHES, Candidate, values};
 use super::geometry::Geometry;
 use super::shoulder::{Arm, Kind, Shoulder};
-use super::turn::{Meeting, Turn, advance, components, identity};
+use super::turn::{Meeting, Side, Turn, advance, components, identity};
 use crate::lanes::{Real, V3, axpy, splat3, sub};
 use crate::task::Goal;
 
@@ -56,40 +56,96 @@ impl SphericalWrist {
         preferred: &[Turn<R>],
         out: &mut [Candidate<R>; BRANCHES],
     ) {
+        let wanted = self.wanted(goal, tool);
+        let arms = self.shoulder.solve(wanted.center, &first_three(preferred));
+        for (arm, pair) in arms.iter().zip(out.as_chunks_mut().0) {
+            *pair = self.with_wrist(arm, &wanted, preferred[3]);
+        }
+    }
+
+    /// The branches `2 (first + i)` and the one after it in lane `i`, for one goal that is
+    /// in every lane; over again from the fifth pair.
+    #[inline(always)]
+    pub fn side_by_side<R: Real>(
+        &self,
+        goal: &Goal<R>,
+        tool: [f64; 3],
+        preferred: &[Turn<R>],
+        first: usize,
+    ) -> [Candidate<R>; 2] {
+        let wanted = self.wanted(goal, tool);
+        let arm = self.shoulder.side_by_side(wanted.center, first, &first_three(preferred));
+        self.with_wrist(&arm, &wanted, preferred[3])
+    }
+
+    /// A goal seen from the first joint.
+    #[inline(always)]
+    fn wanted<R: Real>(&self, goal: &Goal<R>, tool: [f64; 3]) -> Wanted<R> {
         let g = &self.geometry;
         let base = [splat3::<R>(g.axes[0]), splat3(g.axes[1]), splat3(g.axes[2])];
         let center = wrist_center(g, goal, tool);
-        let p = components(base, sub(center, splat3(g.origin)));
-        let mx = components(base, goal.axes[0]);
-        let mz = components(base, goal.axes[2]);
-        let wanted = [preferred[0], preferred[1], preferred[2]];
-        let mut arms = [Arm::none(); 4];
-        self.shoulder.solve(p, &wanted, &mut arms);
-        for (i, arm) in arms.iter().enumerate() {
-            let mut frame = identity::<R>();
-            for (turn, link) in arm.turns.iter().zip(&g.links) {
-                frame = advance(frame, *turn, link);
-            }
-            let (triples, merged, singular) =
-                self.wrist.solve(components(frame, mx), components(frame, mz), preferred[3]);
-            let first = [
-                value(arm.turns[0], g.links[0].theta),
-                value(arm.turns[1], g.links[1].theta),
-                value(arm.turns[2], g.links[2].theta),
-            ];
-            for (j, triple) in triples.iter().enumerate() {
-                let c = &mut out[2 * i + j];
-                c.q[0] = first[0];
-                c.q[1] = first[1];
-                c.q[2] = first[2];
-                c.q[3] = value(triple[0], g.links[3].theta);
-                c.q[4] = value(triple[1], g.links[4].theta);
-                c.q[5] = value(triple[2], g.last_theta);
-                c.merged = arm.merged | if j == 1 { merged } else { 0 };
-                c.singular = [arm.shoulder, arm.elbow, singular];
-            }
+        Wanted {
+            center: components(base, sub(center, splat3(g.origin))),
+            x: components(base, goal.axes[0]),
+            z: components(base, goal.axes[2]),
         }
     }
+
+    /// Both ways to turn the wrist at the end of an arm.
+    #[inline(always)]
+    fn with_wrist<R: Real>(
+        &self,
+        arm: &Arm<R>,
+        wanted: &Wanted<R>,
+        preferred: Turn<R>,
+    ) -> [Candidate<R>; 2] {
+        let links = &self.geometry.links;
+        let mut frame = identity::<R>();
+        for (turn, link) in arm.turns.iter().zip(links) {
+            frame = advance(frame, *turn, link);
+        }
+        let (mx, mz) = (components(frame, wanted.x), components(frame, wanted.z));
+        let first = values(&arm.turns, [links[0].theta, links[1].theta, links[2].theta]);
+        let [one, two] = Side::both();
+        [
+            self.branch(arm, first, mx, mz, preferred, one),
+            self.branch(arm, first, mx, mz, preferred, two),
+        ]
+    }
+
+    #[inline(always)]
+    fn branch<R: Real>(
+        &self,
+        arm: &Arm<R>,
+        first: [R; 3],
+        mx: V3<R>,
+        mz: V3<R>,
+        preferred: Turn<R>,
+        side: Side<R>,
+    ) -> Candidate<R> {
+        let links = &self.geometry.links;
+        let wrist = self.wrist.solve(mx, mz, preferred, side);
+        let offsets = [links[3].theta, links[4].theta, self.geometry.last_theta];
+        let last = values(&wrist.turns, offsets);
+        Candidate {
+            q: [first[0], first[1], first[2], last[0], last[1], last[2], R::zero()],
+            merged: arm.merged | wrist.merged,
+            singular: [arm.shoulder, arm.elbow, wrist.singular],
+        }
+    }
+}
+
+/// A goal seen from the first joint: the wrist's centre, and the x and z axes of the last
+/// joint's frame.
+struct Wanted<R> {
+    center: V3<R>,
+    x: V3<R>,
+    z: V3<R>,
+}
+
+#[inline(always)]
+fn first_three<R: Real>(preferred: &[Turn<R>]) -> [Turn<R>; 3] {
+    [preferred[0], preferred[1], preferred[2]]
 }
 
 /// The wrist's centre in the world: fixed to the last joint's frame, whose axes the goal

@@ -7,10 +7,12 @@
 //! direction to the wrist. With it the orientations of upper arm and forearm are known,
 //! and each spherical joint has two ways to take them on.
 
-use super::candidates::{BRANCHES, Candidate, value};
+use super::candidates::{BRANCHES, Candidate, value, values};
 use super::geometry::Geometry;
 use super::spherical_wrist::wrist_center;
-use super::turn::{Meeting, Pair, Triple, Turn, advance, components, direction, identity, linear};
+use super::turn::{
+    Meeting, Root, Side, Turn, Turned, advance, components, direction, identity, linear,
+};
 use crate::lanes::{Real, V3, axpy, blend, cross, dot, scale, splat3, sub};
 use crate::task::Goal;
 
@@ -33,6 +35,8 @@ pub struct Srs {
 pub(super) struct Elbow<R> {
     /// Turn of the fourth joint.
     pub turn: Turn<R>,
+    /// Its value, rad.
+    pub fourth: R,
     /// Frame of the third link's directions: to the wrist, to the elbow at right angles to
     /// it, and the product of both; seen from the third joint.
     pub frame: [V3<R>; 3],
@@ -44,11 +48,27 @@ pub(super) struct Elbow<R> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reached<R> {
     pub elbows: [Elbow<R>; 2],
+    pub line: Line<R>,
+}
+
+/// What does not depend on the elbow either.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Line<R> {
+    /// Distance from shoulder to wrist, m.
+    length: R,
     /// Directions seen from the base: to the wrist, that of the elbow at arm angle zero,
     /// and the product of both.
-    pub line: [V3<R>; 3],
+    pub frame: [V3<R>; 3],
     /// The wanted axes of the last joint's frame, seen from the base.
     pub wanted: [V3<R>; 3],
+}
+
+/// Three joints whose axes meet.
+#[derive(Debug, Clone, Copy)]
+struct Three<R> {
+    q: [R; 3],
+    merged: u32,
+    singular: u32,
 }
 
 impl Srs {
@@ -94,6 +114,15 @@ impl Srs {
         tool: [f64; 3],
         preferred: &[Turn<R>],
     ) -> Reached<R> {
+        let line = self.line(goal, tool);
+        let [one, two] = Side::both();
+        let elbows = [self.bent(&line, preferred[3], one), self.bent(&line, preferred[3], two)];
+        Reached { elbows, line }
+    }
+
+    /// The line from shoulder to wrist.
+    #[inline(always)]
+    fn line<R: Real>(&self, goal: &Goal<R>, tool: [f64; 3]) -> Line<R> {
         let g = &self.geometry;
         let base = [splat3::<R>(g.axes[0]), splat3(g.axes[1]), splat3(g.axes[2])];
         let center = sub(wrist_center(g, goal, tool), splat3(g.origin));
@@ -107,20 +136,9 @@ impl Srs {
         let upside = upright.lt(R::splat(1e-9));
         let lean_x = if R::bits(upside) == 0 { up } else { upright_part(x, to_wrist).0 };
         let zero = crate::lanes::select3::<R>(upside, lean_x, up);
-
-        let three = g.links[2];
-        let (r, w) = (self.radius, self.height);
-        let fixed = three.a * three.a
-            + three.d * three.d
-            + r * r
-            + w * w
-            + 2.0 * three.d * three.cosine * w;
-        let (a, b) = (2.0 * three.a * r, 2.0 * three.d * three.sine * r);
-        let c = length.mul_add(length, R::splat(-fixed));
-        let bends = linear(R::splat(a), R::splat(b), c, 0.0, preferred[3]);
-        Reached {
-            elbows: [self.elbow(&bends, 0), self.elbow(&bends, 1)],
-            line: [to_wrist, zero, cross(to_wrist, zero)],
+        Line {
+            length,
+            frame: [to_wrist, zero, cross(to_wrist, zero)],
             wanted: [
                 components(base, goal.axes[0]),
                 components(base, goal.axes[1]),
@@ -129,10 +147,25 @@ impl Srs {
         }
     }
 
+    /// The elbow that brings shoulder and wrist as far apart as they are.
     #[inline(always)]
-    fn elbow<R: Real>(&self, bends: &Pair<R>, i: usize) -> Elbow<R> {
+    fn bent<R: Real>(&self, line: &Line<R>, preferred: Turn<R>, side: Side<R>) -> Elbow<R> {
         let three = self.geometry.links[2];
-        let (s, c) = bends.turns[i];
+        let (r, w) = (self.radius, self.height);
+        let fixed = three.a * three.a
+            + three.d * three.d
+            + r * r
+            + w * w
+            + 2.0 * three.d * three.cosine * w;
+        let (a, b) = (2.0 * three.a * r, 2.0 * three.d * three.sine * r);
+        let c = line.length.mul_add(line.length, R::splat(-fixed));
+        self.elbow(&linear(R::splat(a), R::splat(b), c, 0.0, preferred, side))
+    }
+
+    #[inline(always)]
+    fn elbow<R: Real>(&self, bend: &Root<R>) -> Elbow<R> {
+        let three = self.geometry.links[2];
+        let (s, c) = bend.turn;
         let r = R::splat(self.radius);
         let (y, x) = (s * r, c * r);
         let v = [
@@ -151,9 +184,10 @@ impl Srs {
         let turn = super::turn::minus((s, c), (R::splat(phase.0), R::splat(phase.1)));
         Elbow {
             turn,
+            fourth: value(turn, self.geometry.links[3].theta),
             frame: [along, side, cross(along, side)],
-            merged: if i == 1 { bends.merged } else { 0 },
-            singular: bends.singular,
+            merged: bend.merged,
+            singular: bend.singular,
         }
     }
 
@@ -169,14 +203,14 @@ impl Srs {
     #[inline(always)]
     pub(super) fn third_link<R: Real>(
         &self,
-        at: &Reached<R>,
+        line: &Line<R>,
         elbow: &Elbow<R>,
         angle: Turn<R>,
     ) -> [V3<R>; 3] {
         let (s, c) = angle;
-        let side = blend(at.line[1], c, at.line[2], s);
-        let third = cross(at.line[0], side);
-        let frame = [at.line[0], side, third];
+        let side = blend(line.frame[1], c, line.frame[2], s);
+        let third = cross(line.frame[0], side);
+        let frame = [line.frame[0], side, third];
         [outer(frame, elbow.frame, 0), outer(frame, elbow.frame, 1), outer(frame, elbow.frame, 2)]
     }
 
@@ -184,7 +218,7 @@ impl Srs {
     #[inline(always)]
     pub(super) fn left_to_wrist<R: Real>(
         &self,
-        at: &Reached<R>,
+        line: &Line<R>,
         elbow: &Elbow<R>,
         third: [V3<R>; 3],
     ) -> [V3<R>; 2] {
@@ -192,7 +226,7 @@ impl Srs {
         let none = (R::zero(), R::splat(1.0));
         let fourth = advance(third, none, &self.geometry.links[2]);
         let fifth = advance(fourth, elbow.turn, &self.geometry.links[3]);
-        [components(fifth, at.wanted[0]), components(fifth, at.wanted[2])]
+        [components(fifth, line.wanted[0]), components(fifth, line.wanted[2])]
     }
 
     /// All branches at an arm angle (sine and cosine); `preferred` as for
@@ -219,42 +253,87 @@ impl Srs {
         preferred: &[Turn<R>],
         out: &mut [Candidate<R>; BRANCHES],
     ) {
-        let g = &self.geometry;
-        for (e, elbow) in at.elbows.iter().enumerate() {
-            let third = self.third_link(at, elbow, angle);
-            let (shoulders, merged_s, singular_s) =
-                self.shoulder.solve(third[0], third[2], preferred[0]);
-            let [mx, mz] = self.left_to_wrist(at, elbow, third);
-            let (wrists, merged_w, singular_w) = self.wrist.solve(mx, mz, preferred[4]);
-            let fourth = value(elbow.turn, g.links[3].theta);
-            let shoulders = [self.triple(&shoulders[0], 0), self.triple(&shoulders[1], 0)];
-            let wrists = [self.triple(&wrists[0], 4), self.triple(&wrists[1], 4)];
-            for (i, first) in shoulders.iter().enumerate() {
-                for (j, last) in wrists.iter().enumerate() {
-                    let c = &mut out[4 * e + 2 * i + j];
-                    c.q = [first[0], first[1], first[2], fourth, last[0], last[1], last[2]];
-                    c.merged = elbow.merged
-                        | if i == 1 { merged_s } else { 0 }
-                        | if j == 1 { merged_w } else { 0 };
-                    c.singular = [singular_s, elbow.singular, singular_w];
-                }
+        let [one, two] = Side::both();
+        for (elbow, four) in at.elbows.iter().zip(out.as_chunks_mut::<4>().0) {
+            let at = self.at(&at.line, elbow, angle);
+            let wrists =
+                [self.last_three(&at, preferred, one), self.last_three(&at, preferred, two)];
+            for (pair, side) in four.as_chunks_mut::<2>().0.iter_mut().zip([one, two]) {
+                let shoulder = self.first_three(&at, preferred, side);
+                *pair = [
+                    Self::branch(elbow, &shoulder, &wrists[0]),
+                    Self::branch(elbow, &shoulder, &wrists[1]),
+                ];
             }
         }
     }
 
-    /// Joint values of three turns, the first of joint `first`.
+    /// The branches `2 (first + i)` and the one after it in lane `i`, for one goal and arm
+    /// angle that are in every lane; over again from the fifth pair.
     #[inline(always)]
-    fn triple<R: Real>(&self, turns: &Triple<R>, first: usize) -> [R; 3] {
+    pub fn side_by_side<R: Real>(
+        &self,
+        goal: &Goal<R>,
+        tool: [f64; 3],
+        angle: Turn<R>,
+        preferred: &[Turn<R>],
+        first: usize,
+    ) -> [Candidate<R>; 2] {
+        let line = self.line(goal, tool);
+        let elbow = self.bent(&line, preferred[3], Side::by_bit(first, 1));
+        let at = self.at(&line, &elbow, angle);
+        let shoulder = self.first_three(&at, preferred, Side::by_bit(first, 0));
+        let [one, two] = Side::both();
         [
-            value(turns[0], self.offset(first)),
-            value(turns[1], self.offset(first + 1)),
-            value(turns[2], self.offset(first + 2)),
+            Self::branch(&elbow, &shoulder, &self.last_three(&at, preferred, one)),
+            Self::branch(&elbow, &shoulder, &self.last_three(&at, preferred, two)),
         ]
     }
 
-    /// The fourth joint's value where the elbow bends so.
-    pub(super) fn fourth(&self, elbow: &Elbow<f64>) -> f64 {
-        value(elbow.turn, self.geometry.links[3].theta)
+    /// What the shoulder and the wrist have to bring about at an arm angle.
+    #[inline(always)]
+    fn at<R: Real>(&self, line: &Line<R>, elbow: &Elbow<R>, angle: Turn<R>) -> [[V3<R>; 2]; 2] {
+        let third = self.third_link(line, elbow, angle);
+        [[third[0], third[2]], self.left_to_wrist(line, elbow, third)]
+    }
+
+    #[inline(always)]
+    fn first_three<R: Real>(
+        &self,
+        at: &[[V3<R>; 2]; 2],
+        preferred: &[Turn<R>],
+        side: Side<R>,
+    ) -> Three<R> {
+        let [mx, mz] = at[0];
+        self.three(&self.shoulder.solve(mx, mz, preferred[0], side), 0)
+    }
+
+    #[inline(always)]
+    fn last_three<R: Real>(
+        &self,
+        at: &[[V3<R>; 2]; 2],
+        preferred: &[Turn<R>],
+        side: Side<R>,
+    ) -> Three<R> {
+        let [mx, mz] = at[1];
+        self.three(&self.wrist.solve(mx, mz, preferred[4], side), 4)
+    }
+
+    /// Joint values of three turns, the first of joint `first`.
+    #[inline(always)]
+    fn three<R: Real>(&self, of: &Turned<R>, first: usize) -> Three<R> {
+        let offsets = [self.offset(first), self.offset(first + 1), self.offset(first + 2)];
+        Three { q: values(&of.turns, offsets), merged: of.merged, singular: of.singular }
+    }
+
+    #[inline(always)]
+    fn branch<R: Real>(elbow: &Elbow<R>, first: &Three<R>, last: &Three<R>) -> Candidate<R> {
+        let (f, l) = (&first.q, &last.q);
+        Candidate {
+            q: [f[0], f[1], f[2], elbow.fourth, l[0], l[1], l[2]],
+            merged: elbow.merged | first.merged | last.merged,
+            singular: [first.singular, elbow.singular, last.singular],
+        }
     }
 
     /// Shoulder and wrist.
@@ -265,7 +344,7 @@ impl Srs {
     /// What a joint's turn is counted from, rad.
     #[inline(always)]
     pub(super) fn offset(&self, joint: usize) -> f64 {
-        self.geometry.links.get(joint).map_or(self.geometry.last_theta, |link| link.theta)
+        self.geometry.offset(joint)
     }
 
     /// The arm angle of a configuration, rad in [-pi, pi]; 0 where the elbow is stretched
@@ -283,8 +362,7 @@ impl Srs {
             };
         }
         let t4 = q[g.variables[3]] + g.links[3].theta + self.phase;
-        let pair = Pair { turns: [t4.sin_cos(); 2], merged: 0, singular: 0 };
-        let elbow = self.elbow(&pair, 0);
+        let elbow = self.elbow(&Root { turn: t4.sin_cos(), ..Root::none() });
         let world = |v: V3<f64>| {
             [0, 1, 2].map(|k| frame[0][k] * v[0] + frame[1][k] * v[1] + frame[2][k] * v[2])
         };

@@ -13,15 +13,66 @@ const OPEN: f64 = 1e-12;
 /// Below this sine a solution is reported as singular.
 pub const SINGULAR: f64 = 1e-6;
 
-/// The two solutions of an equation in one angle, and how near they are to being one.
+/// Which of the two solutions of an equation each lane takes.
 #[derive(Debug, Clone, Copy)]
-pub struct Pair<R> {
-    /// The solutions.
-    pub turns: [Turn<R>; 2],
-    /// Lanes where both are the same: one bit each.
+pub struct Side<R> {
+    /// 1 for the first, -1 for the second.
+    pub sign: R,
+    /// Lanes that take the second.
+    pub second: u32,
+}
+
+impl<R: Real> Side<R> {
+    /// The first in every lane.
+    #[inline(always)]
+    pub fn first() -> Self {
+        Self { sign: R::splat(1.0), second: 0 }
+    }
+
+    /// The second in every lane.
+    #[inline(always)]
+    pub fn second() -> Self {
+        Self { sign: R::splat(-1.0), second: u32::MAX }
+    }
+
+    /// Both, one after the other.
+    #[inline(always)]
+    pub fn both() -> [Self; 2] {
+        [Self::first(), Self::second()]
+    }
+
+    /// The second in the lanes `i` for which bit `bit` of `first + i` is set: lanes count
+    /// through the ways to take several sides.
+    #[inline(always)]
+    pub fn by_bit(first: usize, bit: usize) -> Self {
+        let mut side = Self::first();
+        for lane in 0..R::WIDTH {
+            if (first + lane) >> bit & 1 != 0 {
+                side.sign.set_lane(lane, -1.0);
+                side.second |= 1 << lane;
+            }
+        }
+        side
+    }
+}
+
+/// One solution of an equation in one angle, and how near it is to the other.
+#[derive(Debug, Clone, Copy)]
+pub struct Root<R> {
+    /// The angle.
+    pub turn: Turn<R>,
+    /// Lanes where this is the second of two that are the same: one bit each.
     pub merged: u32,
     /// Lanes where they nearly are.
     pub singular: u32,
+}
+
+impl<R: Real> Root<R> {
+    /// Angle 0, apart from any other.
+    #[inline(always)]
+    pub fn none() -> Self {
+        Self { turn: (R::zero(), R::splat(1.0)), merged: 0, singular: 0 }
+    }
 }
 
 /// Unit length for `(y, x)`; `fallback` where its length is below `least`.
@@ -39,10 +90,10 @@ pub fn minus<R: Real>(turn: Turn<R>, by: Turn<R>) -> Turn<R> {
     (turn.0.mul_add(by.1, -(turn.1 * by.0)), turn.1.mul_add(by.1, turn.0 * by.0))
 }
 
-/// Both angles with `a cos + b sin = c`; where `c` is out of range, the angle that comes
-/// nearest, twice. Where `a` and `b` vanish, any angle does: `fallback`.
+/// An angle with `a cos + b sin = c`, of the two the one of a side; where `c` is out of
+/// range, the angle that comes nearest. Where `a` and `b` vanish, any angle does: `fallback`.
 #[inline(always)]
-pub fn linear<R: Real>(a: R, b: R, c: R, least: f64, fallback: Turn<R>) -> Pair<R> {
+pub fn linear<R: Real>(a: R, b: R, c: R, least: f64, fallback: Turn<R>, side: Side<R>) -> Root<R> {
     let square = a.mul_add(a, b * b);
     let length = square.sqrt();
     let lost = length.lt(R::splat(least));
@@ -52,12 +103,10 @@ pub fn linear<R: Real>(a: R, b: R, c: R, least: f64, fallback: Turn<R>) -> Pair<
     let c = c.min(one).max(-one);
     // (1 - c)(1 + c) keeps the digits that 1 - c^2 loses.
     let h = ((one - c) * (one + c)).max(R::zero()).sqrt();
-    Pair {
-        turns: [
-            unless(lost, fallback, (b.mul_add(c, a * h), a.mul_add(c, -(b * h)))),
-            unless(lost, fallback, (b.mul_add(c, -(a * h)), a.mul_add(c, b * h))),
-        ],
-        merged: R::bits(R::or(lost, h.lt(R::splat(MERGED)))),
+    let away = h * side.sign;
+    Root {
+        turn: unless(lost, fallback, (b.mul_add(c, a * away), a.mul_add(c, -(b * away)))),
+        merged: R::bits(R::or(lost, h.lt(R::splat(MERGED)))) & side.second,
         singular: R::bits(R::or(lost, h.lt(R::splat(SINGULAR)))),
     }
 }
@@ -105,17 +154,29 @@ pub struct Meeting {
 /// One way to turn three joints.
 pub type Triple<R> = [Turn<R>; 3];
 
+/// One way to turn three joints, and how near it is to the other.
+#[derive(Debug, Clone, Copy)]
+pub struct Turned<R> {
+    /// The turns.
+    pub turns: Triple<R>,
+    /// Lanes where this is the second of two ways that are the same: one bit each.
+    pub merged: u32,
+    /// Lanes where first and third axis are all but in line.
+    pub singular: u32,
+}
+
 impl Meeting {
-    /// Both triples with `Rz(t1) Rx(alpha1) Rz(t2) Rx(alpha2) Rz(t3) = M`, of which the
-    /// columns `mx` and `mz` are given. Where the first and the third axis are in line
-    /// the first joint takes `preferred`.
+    /// The turns with `Rz(t1) Rx(alpha1) Rz(t2) Rx(alpha2) Rz(t3) = M`, of which the columns
+    /// `mx` and `mz` are given; of the two ways that of a side. Where the first and the
+    /// third axis are in line the first joint takes `preferred`.
     #[inline(always)]
     pub fn solve<R: Real>(
         &self,
         mx: V3<R>,
         mz: V3<R>,
         preferred: Turn<R>,
-    ) -> ([Triple<R>; 2], u32, u32) {
+        side: Side<R>,
+    ) -> Turned<R> {
         let (s1, c1) = (self.one.sine, self.one.cosine);
         let (s2, c2) = (self.two.sine, self.two.cosine);
         let k = R::splat(1.0 / (s1 * s2));
@@ -127,14 +188,11 @@ impl Meeting {
         let ux = (off - uy * uy).max(R::zero()).sqrt();
         let sine = ux * R::splat(1.0 / s2);
         let second = unit_turn(sine, cosine, 1e-300, (R::zero(), R::splat(1.0)));
-        let merged = R::bits(second.0.lt(R::splat(MERGED)));
+        let merged = R::bits(second.0.lt(R::splat(MERGED))) & side.second;
         let singular = R::bits(second.0.lt(R::splat(SINGULAR)));
-        let opposite = (-second.0, second.1);
-        let triples = [
-            self.with_second(mx, mz, second, ux, uy, preferred),
-            self.with_second(mx, mz, opposite, -ux, uy, preferred),
-        ];
-        (triples, merged, singular)
+        let second = (second.0 * side.sign, second.1);
+        let turns = self.with_second(mx, mz, second, ux * side.sign, uy, preferred);
+        Turned { turns, merged, singular }
     }
 
     /// The first and the third turn for a second one; `ux`, `uy` as in [`Self::solve`].

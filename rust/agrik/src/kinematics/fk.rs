@@ -42,10 +42,7 @@ pub struct Workspace<R> {
     pub axes: PerJoint<Axis<R>>,
     /// Sine and cosine of each joint's angle.
     turns: PerJoint<[R; 2]>,
-    x: V3<R>,
-    y: V3<R>,
-    z: V3<R>,
-    position: V3<R>,
+    frame: Frame<R>,
 }
 
 impl<R: Real> Workspace<R> {
@@ -53,17 +50,15 @@ impl<R: Real> Workspace<R> {
     pub fn new(chain: &Compiled) -> Self {
         let zero = [R::zero(); 3];
         let axis = Axis { origin: zero, direction: zero };
+        let frame = Frame { x: zero, y: zero, z: zero, position: zero };
         let joints = chain.links.len();
-        let turns = smallvec![[R::zero(); 2]; joints];
-        Self { axes: smallvec![axis; joints], turns, x: zero, y: zero, z: zero, position: zero }
+        Self { axes: smallvec![axis; joints], turns: smallvec![[R::zero(); 2]; joints], frame }
     }
 
     /// A point given in the frame of the last moved joint, in the world.
     #[inline(always)]
     pub fn tool_point(&self, t: [f64; 3]) -> V3<R> {
-        let p = axpy(self.x, R::splat(t[0]), self.position);
-        let p = axpy(self.y, R::splat(t[1]), p);
-        axpy(self.z, R::splat(t[2]), p)
+        self.frame.point(t)
     }
 
     /// A direction given in the frame of the last moved joint, in the world.
@@ -75,15 +70,13 @@ impl<R: Real> Workspace<R> {
     /// Axes (columns) of the last moved joint's frame, in the world.
     #[inline(always)]
     pub fn joint_axes(&self) -> [V3<R>; 3] {
-        [self.x, self.y, self.z]
+        self.frame.axes()
     }
 
     /// Replaces the axes of the last moved joint's frame.
     #[inline(always)]
     pub fn set_joint_axes(&mut self, [x, y, z]: [V3<R>; 3]) {
-        self.x = x;
-        self.y = y;
-        self.z = z;
+        self.frame = Frame { x, y, z, position: self.frame.position };
     }
 
     /// Axes (columns) of a tool frame given by its columns in the last joint's frame.
@@ -117,11 +110,52 @@ pub fn forward_frame<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspa
     pass::<R, false>(chain, q, workspace);
 }
 
-/// The value that moves a joint, rad or m.
-#[inline(always)]
-fn value_of<R: Real>(chain: &Compiled, link: &Link, q: &[R]) -> R {
-    let value = q[link.variable];
-    if chain.simple { value } else { value * R::splat(link.multiplier) }
+/// The frame of a joint while a pass goes along the chain: its axes and its origin.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame<R> {
+    x: V3<R>,
+    y: V3<R>,
+    z: V3<R>,
+    position: V3<R>,
+}
+
+impl<R: Real> Frame<R> {
+    /// The frame before the first joint.
+    #[inline(always)]
+    pub fn start(chain: &Compiled) -> Self {
+        let start = &chain.start_rotation;
+        Self {
+            x: splat3(start[0]),
+            y: splat3(start[1]),
+            z: splat3(start[2]),
+            position: splat3(chain.start_position),
+        }
+    }
+
+    /// The frame after some more of the moving joints, so that postures with the same first
+    /// joints can share those.
+    #[inline(always)]
+    pub fn after(self, chain: &Compiled, links: std::ops::Range<usize>, q: &[R]) -> Self {
+        let mut frame = self;
+        for link in &chain.links[links] {
+            frame = over(chain, link, q, turn_of(chain, link, q), frame);
+        }
+        frame
+    }
+
+    /// Axes (columns).
+    #[inline(always)]
+    pub fn axes(&self) -> [V3<R>; 3] {
+        [self.x, self.y, self.z]
+    }
+
+    /// A point given in this frame, in the world.
+    #[inline(always)]
+    pub fn point(&self, t: [f64; 3]) -> V3<R> {
+        let p = axpy(self.x, R::splat(t[0]), self.position);
+        let p = axpy(self.y, R::splat(t[1]), p);
+        axpy(self.z, R::splat(t[2]), p)
+    }
 }
 
 #[inline(always)]
@@ -129,56 +163,76 @@ fn pass<R: Real, const AXES: bool>(chain: &Compiled, q: &[R], workspace: &mut Wo
     // Sines and cosines first: beside the twelve numbers of a frame they would not fit the
     // registers, and here they do not wait for one another.
     for (link, turn) in chain.links.iter().zip(&mut workspace.turns) {
-        let (s, c) = if link.prismatic {
-            let (s, c) = link.theta_sin_cos;
-            (R::splat(s), R::splat(c))
-        } else {
-            (value_of(chain, link, q) + R::splat(link.theta)).sin_cos()
-        };
-        *turn = [s, c];
+        *turn = turn_of(chain, link, q);
     }
-    let start = &chain.start_rotation;
-    let (mut x, mut y, mut z) =
-        (splat3::<R>(start[0]), splat3::<R>(start[1]), splat3::<R>(start[2]));
-    let mut p = splat3::<R>(chain.start_position);
+    let mut frame = Frame::start(chain);
     let joints = chain.links.iter().zip(&mut workspace.axes).zip(&workspace.turns);
-    for ((link, axis), [s, c]) in joints {
-        let (s, c) = (*s, *c);
+    for ((link, axis), turn) in joints {
         if AXES {
-            *axis = Axis { origin: p, direction: z };
+            *axis = Axis { origin: frame.position, direction: frame.z };
         }
-        (x, y) = (blend(x, c, y, s), blend(y, c, x, -s));
-        // Asked of the bits, which costs less than asking of the numbers.
-        if link.prismatic {
-            p = axpy(z, value_of(chain, link, q) + R::splat(link.d), p);
-        } else if link.d.to_bits() != 0 {
-            p = axpy(z, R::splat(link.d), p);
+        frame = over(chain, link, q, *turn, frame);
+    }
+    workspace.frame = frame;
+}
+
+/// The value that moves a joint, rad or m.
+#[inline(always)]
+fn value_of<R: Real>(chain: &Compiled, link: &Link, q: &[R]) -> R {
+    let value = q[link.variable];
+    if chain.simple { value } else { value * R::splat(link.multiplier) }
+}
+
+/// Sine and cosine of a joint's angle.
+#[inline(always)]
+fn turn_of<R: Real>(chain: &Compiled, link: &Link, q: &[R]) -> [R; 2] {
+    let (s, c) = if link.prismatic {
+        let (s, c) = link.theta_sin_cos;
+        (R::splat(s), R::splat(c))
+    } else {
+        (value_of(chain, link, q) + R::splat(link.theta)).sin_cos()
+    };
+    [s, c]
+}
+
+/// The frame after one joint more, whose angle has this sine and cosine.
+#[inline(always)]
+fn over<R: Real>(
+    chain: &Compiled,
+    link: &Link,
+    q: &[R],
+    [s, c]: [R; 2],
+    frame: Frame<R>,
+) -> Frame<R> {
+    let Frame { mut x, mut y, mut z, position: mut p } = frame;
+    (x, y) = (blend(x, c, y, s), blend(y, c, x, -s));
+    // Asked of the bits, which costs less than asking of the numbers.
+    if link.prismatic {
+        p = axpy(z, value_of(chain, link, q) + R::splat(link.d), p);
+    } else if link.d.to_bits() != 0 {
+        p = axpy(z, R::splat(link.d), p);
+    }
+    if link.a.to_bits() != 0 {
+        p = axpy(x, R::splat(link.a), p);
+    }
+    match link.twist {
+        Twist::Zero => {}
+        Twist::Half => {
+            y = negate(y);
+            z = negate(z);
         }
-        if link.a.to_bits() != 0 {
-            p = axpy(x, R::splat(link.a), p);
+        Twist::Quarter => (y, z) = (z, negate(y)),
+        Twist::Angle(sine, cosine) => {
+            let (s, c) = (R::splat(sine), R::splat(cosine));
+            (y, z) = (blend(y, c, z, s), blend(z, c, y, -s));
         }
-        match link.twist {
-            Twist::Zero => {}
-            Twist::Half => {
-                y = negate(y);
-                z = negate(z);
-            }
-            Twist::Quarter => (y, z) = (z, negate(y)),
-            Twist::Angle(sine, cosine) => {
-                let (s, c) = (R::splat(sine), R::splat(cosine));
-                (y, z) = (blend(y, c, z, s), blend(z, c, y, -s));
-            }
-            Twist::Full(columns) => {
-                p = axpy(y, R::splat(link.b), p);
-                let axes = [x, y, z];
-                x = turn(axes, columns[0]);
-                y = turn(axes, columns[1]);
-                z = turn(axes, columns[2]);
-            }
+        Twist::Full(columns) => {
+            p = axpy(y, R::splat(link.b), p);
+            let axes = [x, y, z];
+            x = turn(axes, columns[0]);
+            y = turn(axes, columns[1]);
+            z = turn(axes, columns[2]);
         }
     }
-    workspace.x = x;
-    workspace.y = y;
-    workspace.z = z;
-    workspace.position = p;
+    Frame { x, y, z, position: p }
 }

@@ -5,7 +5,7 @@ mod fk;
 mod jacobian;
 
 pub use batch::{tool_jacobians, tool_poses};
-pub use fk::{PerJoint, Workspace, forward, forward_frame};
+pub use fk::{Frame, PerJoint, Workspace, forward, forward_frame};
 pub use jacobian::columns;
 
 use nalgebra::{Matrix3, Matrix4, Vector3};

@@ -130,6 +130,13 @@ pub(crate) fn angle_over_sine<R: Real>(c: R) -> R {
 /// 0 where both are zero.
 #[inline(always)]
 pub(crate) fn atan2<R: Real>(y: R, x: R) -> R {
+    atan2_each([y], [x])[0]
+}
+
+/// [`atan2`] of several directions, which share the loads of the polynomial and hide one
+/// another's waiting.
+#[inline(always)]
+pub(crate) fn atan2_each<R: Real, const N: usize>(y: [R; N], x: [R; N]) -> [R; N] {
     // fdlibm's polynomial for |t| <= 7/16.
     const ATAN: [f64; 11] = [
         1.628_582_011_536_578_2e-2,
@@ -145,20 +152,35 @@ pub(crate) fn atan2<R: Real>(y: R, x: R) -> R {
         3.333_333_333_333_293e-1,
     ];
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
-    let (ay, ax) = (y.abs(), x.abs());
-    let steep = ax.lt(ay);
-    // `max` keeps the quotient finite at the origin.
-    let large = R::select(steep, ay, ax).max(R::splat(f64::MIN_POSITIVE));
-    let small = R::select(steep, ax, ay);
-    // Above tan(pi / 8) take atan(t) = pi / 4 + atan((t - 1) / (t + 1)).
-    let upper = (large * R::splat(std::f64::consts::SQRT_2 - 1.0)).lt(small);
-    let t = R::select(upper, small - large, small) / R::select(upper, small + large, large);
-    let base = R::select(upper, R::splat(FRAC_PI_4), R::zero());
-    let z = t * t;
-    let angle = base + (t - t * (z * horner(z, ATAN)));
-    let angle = R::select(steep, R::splat(FRAC_PI_2) - angle, angle);
-    let angle = R::select(x.lt(R::zero()), R::splat(PI) - angle, angle);
-    R::select(y.lt(R::zero()), -angle, angle)
+    let zero = [R::zero(); N];
+    let (mut t, mut z, mut base) = (zero, zero, zero);
+    for i in 0..N {
+        let (ay, ax) = (y[i].abs(), x[i].abs());
+        let steep = ax.lt(ay);
+        // `max` keeps the quotient finite at the origin.
+        let large = R::select(steep, ay, ax).max(R::splat(f64::MIN_POSITIVE));
+        let small = R::select(steep, ax, ay);
+        // Above tan(pi / 8) take atan(t) = pi / 4 + atan((t - 1) / (t + 1)).
+        let upper = (large * R::splat(std::f64::consts::SQRT_2 - 1.0)).lt(small);
+        t[i] = R::select(upper, small - large, small) / R::select(upper, small + large, large);
+        base[i] = R::select(upper, R::splat(FRAC_PI_4), R::zero());
+        z[i] = t[i] * t[i];
+    }
+    let mut sum = [R::splat(ATAN[0]); N];
+    for &c in &ATAN[1..] {
+        for i in 0..N {
+            sum[i] = sum[i].mul_add(z[i], R::splat(c));
+        }
+    }
+    let mut out = zero;
+    for i in 0..N {
+        let angle = base[i] + (t[i] - t[i] * (z[i] * sum[i]));
+        let steep = x[i].abs().lt(y[i].abs());
+        let angle = R::select(steep, R::splat(FRAC_PI_2) - angle, angle);
+        let angle = R::select(x[i].lt(R::zero()), R::splat(PI) - angle, angle);
+        out[i] = R::select(y[i].lt(R::zero()), -angle, angle);
+    }
+    out
 }
 
 #[cfg(test)]

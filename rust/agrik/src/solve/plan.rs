@@ -51,6 +51,20 @@ impl Default for Tolerance {
     }
 }
 
+impl Tolerance {
+    /// Refuses what no error can be below.
+    pub(crate) fn check(&self) -> Result<()> {
+        for (name, value) in
+            [("position_tolerance", self.position), ("orientation_tolerance", self.orientation)]
+        {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(Error::argument(name, "a finite number above 0", value));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Targets, in the world frame.
 #[derive(Debug, Clone, Copy)]
 pub enum Goals<'a> {
@@ -142,14 +156,7 @@ impl<'a> Plan<'a> {
     ) -> Result<Self> {
         let task = task.checked()?;
         settings.check()?;
-        for (name, value) in [
-            ("position_tolerance", tolerance.position),
-            ("orientation_tolerance", tolerance.orientation),
-        ] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(Error::argument(name, "a finite number above 0", value));
-            }
-        }
+        tolerance.check()?;
         let dof = chain.dof();
         let (given, wanted) = match starts {
             Starts::Free => (0, 0),

@@ -3,6 +3,7 @@
 use super::sets::Window;
 use super::{Angle, Arm, Gap, Interval, Pose};
 use crate::error::{Error, Result};
+use crate::lanes::angle_over_sine;
 
 /// Rounds of SSAS between beta and theta where a slide's limit decides theta; on all of
 /// table 3 there are none.
@@ -111,7 +112,42 @@ impl Arm {
         if fits(&zero) {
             return Some(if fits(step) { *step } else { zero });
         }
-        self.least_theta(window, r)
+        self.least_by_sines(window, r).or_else(|| self.least_theta(window, r))
+    }
+
+    /// The element of least magnitude where 0 is none, by sines and cosines alone: on the
+    /// side of 0 where the greatest of the lower bounds of `|sin(theta)|` is below the
+    /// least of the upper ones. `None` where neither side is clearly so.
+    #[inline]
+    fn least_by_sines(&self, window: &Window, r: f64) -> Option<Angle> {
+        let inverse = 1.0 / r;
+        let across = |cos: f64| ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt();
+        let (near, far) = (window.w.high * inverse, window.w.low * inverse);
+        if near < 0.0 || far > 1.0 {
+            return None;
+        }
+        // What slide s32 leaves, the same on both sides.
+        let cos = near.min(1.0);
+        let (raised, deepest) = (across(cos), if far > 0.0 { across(far) } else { 1.0 });
+        let side = |u_low: f64, u_high: f64, joint_low: f64, joint_high: f64| {
+            let sin = (u_low * inverse).max(joint_low);
+            let most = (u_high * inverse).min(deepest).min(joint_high);
+            let angle = if sin > raised {
+                Angle::of_sine(sin)
+            } else {
+                Angle { rad: raised * angle_over_sine(cos), sin: raised, cos }
+            };
+            (angle.sin <= most && angle.cos > 0.0).then_some(angle)
+        };
+        let ([low, high], u) = (self.pitch_sines, window.u);
+        let above = side(u.low, u.high, low, high);
+        let below = side(-u.high, -u.low, -high, -low);
+        let below = below.map(|a| Angle { rad: -a.rad, sin: -a.sin, cos: a.cos });
+        match (above, below) {
+            // Of two as near to 0 the negative one, as the sets are in ascending order.
+            (Some(a), Some(b)) => Some(if a.rad + b.rad >= 0.0 { b } else { a }),
+            (a, b) => a.or(b),
+        }
     }
 
     #[inline(never)]
@@ -133,7 +169,15 @@ impl Arm {
     #[inline]
     fn best_beta(&self, theta: &Angle) -> Angle {
         let e = &self.energy;
-        Angle::new(e.p[1].atan2(e.q[1] * theta.cos - e.p[1] * theta.sin))
+        let (y, x) = (e.p[1], e.q[1] * theta.cos - e.p[1] * theta.sin);
+        let inverse = 1.0 / (y * y + x * x).sqrt();
+        // A turn of more than a quarter has no arc sine.
+        if x > 0.0 && inverse.is_finite() {
+            let (sin, cos) = (y * inverse, x * inverse);
+            Angle { rad: sin * angle_over_sine(cos), sin, cos }
+        } else {
+            Angle::new(y.atan2(x))
+        }
     }
 
     #[inline]

@@ -148,6 +148,8 @@ pub struct Arm {
     /// Beta at its limits, and `l3 sin(beta)` there.
     ends: [Angle; 2],
     rise: [f64; 2],
+    /// Sines of theta's limits.
+    pitch_sines: [f64; 2],
     free: Option<FreePose>,
 }
 
@@ -193,7 +195,8 @@ impl Arm {
         let energy = energy::Terms::new(p);
         let ends = [Angle::new(p.lower[4]), Angle::new(p.upper[4])];
         let rise = [p.l3 * ends[0].sin, p.l3 * ends[1].sin];
-        let mut arm = Self { parameters, energy, ends, rise, free: None };
+        let pitch_sines = [p.lower[3].sin(), p.upper[3].sin()];
+        let mut arm = Self { parameters, energy, ends, rise, pitch_sines, free: None };
         arm.free = arm.free_pose();
         Ok(arm)
     }

@@ -1,0 +1,287 @@
+//! The best branch of every target, as a call of [`crate::batch::solve`].
+
+use super::alone::{Alone, Left, Single, Target};
+use super::best_angle;
+use super::candidates::{BRANCHES, JOINTS};
+use super::choose::Choice;
+use super::query::{ArmAngle, FEW, Query, RUN, status};
+use super::settle::{Group, Job};
+use super::{ClosedForm, Srs};
+use crate::error::Result;
+use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
+use crate::solve::{Answers, AnswersMut, Outcome, Solve, Status};
+use crate::task::{Goal, rotation_between};
+
+impl Solve for Query<'_> {
+    fn rows(&self) -> usize {
+        self.plan.len()
+    }
+    fn dof(&self) -> usize {
+        self.chain().dof()
+    }
+    fn run_length(&self) -> usize {
+        RUN
+    }
+    /// The best branch of every target.
+    fn run<'a>(
+        &self,
+        level: Level,
+        next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
+        keep_going: &mut dyn FnMut() -> bool,
+    ) -> bool {
+        while let Some(mut rows) = next() {
+            // One call may hand out all of its rows at once.
+            let mut done = 0;
+            while done < rows.len() {
+                let end = rows.len().min(done + RUN);
+                let (query, rows) = (self, &mut rows);
+                match self.free() {
+                    None if end - done <= FEW => {
+                        dispatch(level, OneByOne { query, rows, begin: done, end });
+                    }
+                    Some(_) if end - done <= FEW => {
+                        dispatch_single(level, InLanes { query, rows, begin: done, end });
+                    }
+                    _ => dispatch(level, InLanes { query, rows, begin: done, end }),
+                }
+                done = end;
+                if !keep_going() {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+}
+
+impl<'a> Query<'a> {
+    /// The arm, where its arm angle is free and the best one wanted.
+    fn free(&self) -> Option<&'a Srs> {
+        match (self.form, self.angle) {
+            (ClosedForm::Srs(arm), ArmAngle::Free) => Some(arm),
+            _ => None,
+        }
+    }
+}
+
+/// Rows `begin..end` of a run, each with its branches in the lanes.
+struct OneByOne<'k, 'a> {
+    query: &'k Query<'k>,
+    rows: &'k mut AnswersMut<'a>,
+    begin: usize,
+    end: usize,
+}
+
+impl Kernel for OneByOne<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        let (query, rows) = (self.query, self.rows);
+        let job = query.job();
+        for i in self.begin..self.end {
+            let target = query.alone::<R>(&job, rows.first + i);
+            alone_best(&job, target, query.choice, rows, i);
+        }
+    }
+}
+
+/// Writes the best branch of one target, which is `None` where it is no pose.
+#[inline(always)]
+fn alone_best<R: Real>(
+    job: &Job<'_>,
+    target: Option<Target<R>>,
+    choice: Choice,
+    rows: &mut AnswersMut<'_>,
+    i: usize,
+) {
+    let Some(mut target) = target else {
+        job.stand_in(rows.finish(i, unfinished(Status::BadInput)));
+        return;
+    };
+    target.near.judged_by(choice, job.geometry);
+    let mut found = Alone::new(job.variables().len());
+    let mut left = Left::new();
+    found.solve(job, &target, Some((&mut left, choice)));
+    if let Some(b) = found.best(&left) {
+        let outcome = reached(left.position2[b], left.chord2[b]);
+        rows.finish(i, outcome).copy_from_slice(found.branch(b));
+    } else {
+        let branches = (0..BRANCHES).map(|b| found.branch(b));
+        let status = status(job.form, false, found.reached != 0);
+        nearest(job, &target.goal, branches, status, rows, i);
+    }
+}
+
+/// The best branch of one pose: what [`crate::batch::solve`] finds for a [`Query`], without
+/// a plan. `None` where the best of all arm angles is wanted, which takes a search.
+pub fn best_alone(single: &Single<'_>, choice: Choice) -> Result<Option<Answers>> {
+    let job = single.job()?;
+    if matches!(job.form, ClosedForm::Srs(_)) && single.arm_angle.is_none() {
+        return Ok(None);
+    }
+    let mut answers = Answers::new(1, single.chain.dof());
+    let rows = &mut answers.as_mut();
+    dispatch(Level::in_use(), SingleBest { job, single, choice, rows });
+    Ok(Some(answers))
+}
+
+struct SingleBest<'k, 'a> {
+    job: Job<'k>,
+    single: &'k Single<'k>,
+    choice: Choice,
+    rows: &'k mut AnswersMut<'a>,
+}
+
+impl Kernel for SingleBest<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        let target = self.single.target::<R>(&self.job);
+        alone_best(&self.job, target, self.choice, self.rows, 0);
+    }
+}
+
+/// Rows `begin..end` of a run, one in each lane.
+struct InLanes<'k, 'a> {
+    query: &'k Query<'k>,
+    rows: &'k mut AnswersMut<'a>,
+    begin: usize,
+    end: usize,
+}
+
+impl Kernel for InLanes<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        let (query, rows) = (self.query, self.rows);
+        let mut group = Group::<R>::new(query.job());
+        let free = query.free();
+        let mut i = self.begin;
+        while i < self.end {
+            let (used, bad) = query.load(&mut group, rows.first + i, rows.first + self.end);
+            let mut proven = 0;
+            if let Some(arm) = free {
+                proven =
+                    best_angle::search(arm, &mut group, query.choice, query.proof, used & !bad);
+            }
+            group.solve();
+            let mut valid = [0; BRANCHES];
+            for (b, lanes) in valid.iter_mut().enumerate() {
+                *lanes = group.valid(b);
+            }
+            let best = query.choice.pick(&group, &valid);
+            for lane in 0..R::WIDTH {
+                if used >> lane & 1 == 0 {
+                    continue;
+                }
+                let row = i + lane;
+                if bad >> lane & 1 != 0 {
+                    group.job.stand_in(rows.finish(row, unfinished(Status::BadInput)));
+                } else if best.found >> lane & 1 != 0 {
+                    answer(&group, lane, best.branch.lane(lane) as usize, rows, row);
+                } else {
+                    none(&group, lane, proven >> lane & 1 != 0, rows, row);
+                }
+            }
+            i += R::WIDTH;
+        }
+    }
+}
+
+fn unfinished(status: Status) -> Outcome {
+    Outcome {
+        status,
+        position_error: f64::INFINITY,
+        orientation_error: f64::INFINITY,
+        iterations: 0,
+        restarts: 0,
+    }
+}
+
+/// The outcome of a branch from the squares of what is left.
+#[inline(always)]
+fn reached(position2: f64, chord2: f64) -> Outcome {
+    Outcome {
+        position_error: position2.sqrt(),
+        orientation_error: 2.0 * (0.125 * chord2).sqrt().min(1.0).asin(),
+        ..unfinished(Status::Converged)
+    }
+}
+
+/// Writes the chosen branch of a lane.
+#[inline(always)]
+fn answer<R: Real>(
+    group: &Group<'_, R>,
+    lane: usize,
+    b: usize,
+    rows: &mut AnswersMut<'_>,
+    i: usize,
+) {
+    let outcome = reached(group.position2[b].lane(lane), group.chord2[b].lane(lane));
+    let q = rows.finish(i, outcome);
+    for (x, variable) in group.candidates[b].q.iter().zip(group.job.variables()) {
+        q[*variable] = x.lane(lane);
+    }
+}
+
+/// Writes a lane without any valid branch. `proven`: no arm angle has one.
+#[inline(never)]
+fn none<R: Real>(
+    group: &Group<'_, R>,
+    lane: usize,
+    proven: bool,
+    rows: &mut AnswersMut<'_>,
+    i: usize,
+) {
+    let any_reached = group.reached.iter().any(|lanes| lanes >> lane & 1 != 0);
+    let status =
+        if proven { Status::OutOfReach } else { status(group.job.form, false, any_reached) };
+    let mut branches = [[0.0; JOINTS]; BRANCHES];
+    for (q, candidate) in branches.iter_mut().zip(&group.candidates) {
+        for (x, variable) in candidate.q.iter().zip(group.job.variables()) {
+            q[*variable] = x.lane(lane);
+        }
+    }
+    let joints = group.job.variables().len();
+    let branches = branches.iter().map(|q| &q[..joints]);
+    nearest(&group.job, &group.goal_of(lane), branches, status, rows, i);
+}
+
+/// Writes, in place of an answer, the branch that violates the limits least, held inside
+/// them.
+fn nearest<'q>(
+    job: &Job<'_>,
+    goal: &Goal<f64>,
+    branches: impl Iterator<Item = &'q [f64]>,
+    status: Status,
+    rows: &mut AnswersMut<'_>,
+    i: usize,
+) {
+    let joints = || job.variables().iter().zip(job.limits());
+    let mut best = (f64::INFINITY, [0.0; JOINTS]);
+    for branch in branches {
+        let outside = joints().map(|(variable, limit)| {
+            let x = branch[*variable];
+            (limit.lower - x).max(x - limit.upper).max(0.0)
+        });
+        let total: f64 = outside.sum();
+        if total < best.0 {
+            best.0 = total;
+            best.1[..branch.len()].copy_from_slice(branch);
+        }
+    }
+    for (variable, limit) in joints() {
+        let x = &mut best.1[*variable];
+        *x = x.clamp(limit.lower, limit.upper);
+    }
+    let q = &best.1[..job.variables().len()];
+    let (axes, point) = job.pose(q);
+    let way = crate::lanes::sub(point, goal.position);
+    let turn = rotation_between(axes, goal.axes);
+    let outcome = Outcome {
+        position_error: crate::lanes::dot(way, way).sqrt(),
+        orientation_error: crate::lanes::dot(turn, turn).sqrt(),
+        ..unfinished(status)
+    };
+    rows.finish(i, outcome).copy_from_slice(q);
+}

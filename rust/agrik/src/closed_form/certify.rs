@@ -1,0 +1,470 @@
+//! The best arm angle of an S-R-S arm, with a proof that no other is better.
+//!
+//! # Claim
+//!
+//! For axes that meet at right angles, the cost of the arm angle found is within
+//! [`TOLERANCE`] of the least cost of all arm angles and branches inside the limits; and
+//! where none is found, no arm angle has a branch inside them.
+//!
+//! # Proof
+//!
+//! Where the third link turns by `psi` about the line from shoulder to wrist, each of the
+//! two triples of joints is `Rz(t1) Rx(90) Rz(t2) Rx(90) Rz(t3) = Rot(w, psi) M`. Let `c` be
+//! the cosine between its outer axes, `a` that between `w` and the first and `p` that
+//! between `w` and the last. `a` and `p` are constant, `c = a p + S cos(psi - psi0)`, and
+//!
+//! ```text
+//! t1' = (a - p c) / (1 - c^2)          t3' = (p - a c) / (1 - c^2)
+//! t2' = c' / sqrt(1 - c^2)             c'^2 = S^2 - (c - a p)^2,  c'' = a p - c
+//! ```
+//!
+//! so that a triple's angles, rates and second derivatives are known functions of `c`
+//! (of the sign of `c'`, and of the side of `t2`). The circle of arm angles is cut
+//!
+//! * where a joint is at a limit (see [`super::arm_angle`]): between cuts a branch is inside
+//!   its limits throughout or nowhere, and only the former pieces stay;
+//! * where `c' = 0`, `c = a / p` or `c = p / a`: between cuts `c` and all angles are
+//!   monotone, so their ranges are those of the ends, exactly.
+//!
+//! A piece is put aside where the least cost that its ranges allow is no better than the
+//! best known; where the cost's derivative, bounded from the ranges of `c` and the angles,
+//! has one sign (the best of the piece is then an end, and ends have been looked at); or
+//! where the second derivative is positive, after its one stationary point has been looked
+//! at. Else it is halved. Ranges shrink to points as pieces do, so this ends; a piece
+//! shorter than [`SHORTEST`] is put aside as well, which can only happen where first and
+//! last axis of a triple come into line (`c^2 = 1`) and its angles jump.
+
+use std::f64::consts::{PI, TAU};
+
+use super::arm_angle::{Bent, limit_cuts};
+use super::candidates::JOINTS;
+use super::check::Limit;
+use super::choose::Choice;
+use super::srs::Srs;
+use super::turn::Meeting;
+use super::wheel::{Range, Spoke, Wheel, floor};
+use crate::lanes::Real;
+
+/// How far the cost may be above the least one: rad^2, or shares (their squares).
+pub const TOLERANCE: f64 = 1e-9;
+/// Pieces below this length are not halved, rad.
+const SHORTEST: f64 = 1e-11;
+/// Share of the rounding past a limit ([`super::check::SLACK`]) that is made use of here.
+const HELD: f64 = 5e-11;
+/// Steps of a bracketed root.
+const STEPS: usize = 60;
+
+/// The arm angle of least cost so far.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Best {
+    pub cost: f64,
+    pub psi: f64,
+}
+
+/// How a joint's value counts.
+#[derive(Debug, Clone, Copy)]
+struct Weight {
+    limit: Limit,
+    offset: f64,
+    centre: f64,
+    factor: f64,
+}
+
+impl Weight {
+    fn of(choice: Choice, limit: Limit, offset: f64, centre: f64) -> Self {
+        let share = if limit.half == f64::INFINITY { 0.0 } else { 1.0 / limit.half.max(1e-9) };
+        let (centre, factor) = match choice {
+            Choice::Nearest => (centre, 1.0),
+            Choice::Middle | Choice::Margin => (limit.middle, share),
+        };
+        Self { limit, offset, centre, factor }
+    }
+
+    fn twice(&self) -> f64 {
+        2.0 * self.factor * self.factor
+    }
+
+    /// The least distance from the centre, weighed, of the values of a range (turns, before
+    /// the offset) and all that are whole turns away, inside the limits; infinite without
+    /// any. And the range as distances, where just one count of turns is possible.
+    fn least(&self, turns: Range) -> (f64, Option<Range>) {
+        let low = turns.low - self.offset;
+        let high = turns.high - self.offset;
+        let (from, to) = if self.limit.half == f64::INFINITY {
+            let nearest = |x: f64| floor((self.centre - x) * (1.0 / TAU) + 0.5);
+            (nearest(high), nearest(low))
+        } else {
+            let from = -floor((high - self.limit.lower + HELD) * (1.0 / TAU));
+            (from, floor((self.limit.upper + HELD - low) * (1.0 / TAU)))
+        };
+        let mut least = f64::INFINITY;
+        let mut only = None;
+        let mut k = from;
+        while k <= to {
+            let (a, b) = (low + k * TAU, high + k * TAU);
+            let (a, b) = (a.max(self.limit.lower), b.min(self.limit.upper));
+            // Past a limit by rounding only: the value is put on it.
+            let (a, b) = (a.min(self.limit.upper), b.max(self.limit.lower));
+            let off = (a - self.centre).max(self.centre - b).max(0.0);
+            least = least.min(self.factor * off);
+            only = (from == to).then_some(Range { low: a - self.centre, high: b - self.centre });
+            k += 1.0;
+        }
+        (least, only)
+    }
+}
+
+/// Both triples at one arm angle.
+type Spokes = [Spoke; 2];
+
+/// An arm angle, both triples there, and what the branch at hand costs.
+#[derive(Debug, Clone, Copy)]
+struct Point {
+    psi: f64,
+    at: Spokes,
+    cost: f64,
+    /// Derivative of the cost; not a number where it has none.
+    slope: f64,
+}
+
+/// What the ranges of a piece say of the derivatives of the cost.
+struct Slopes {
+    first: Range,
+    second: Range,
+}
+
+/// How joints count.
+struct Costs {
+    weights: [Weight; JOINTS],
+    choice: Choice,
+}
+
+impl Costs {
+    fn weight(&self, triple: usize, j: usize) -> &Weight {
+        &self.weights[4 * triple + j]
+    }
+
+    /// The cost of a joint on top of that of others; of its weighed distance.
+    fn add(&self, sum: f64, least: f64) -> f64 {
+        if self.choice == Choice::Margin { sum.max(least) } else { sum + least * least }
+    }
+
+    /// The least cost of a triple on a piece, and the ranges of its joints' distances.
+    fn least(
+        &self,
+        wheel: &Wheel,
+        (triple, side): (usize, f64),
+        [from, to]: [&Spoke; 2],
+        sign: f64,
+    ) -> (f64, [Option<Range>; 3]) {
+        let middle = wheel.rates(0.5 * (from.c + to.c), sign);
+        let (mut cost, mut offs) = (0.0, [None; 3]);
+        for j in 0..3 {
+            let (x, y) = (turn(side, j, from), turn(side, j, to));
+            let range = if j == 1 { Range::of(x, y) } else { swept(x, y, middle[j]) };
+            let least;
+            (least, offs[j]) = self.weight(triple, j).least(range);
+            cost = self.add(cost, least);
+        }
+        (cost, offs)
+    }
+
+    /// The cost of parts together.
+    fn together(&self, a: f64, b: f64) -> f64 {
+        if self.choice == Choice::Margin { a.max(b) } else { a + b }
+    }
+}
+
+/// The turn of joint `j` of a triple on a side.
+fn turn(side: f64, j: usize, spoke: &Spoke) -> f64 {
+    match j {
+        1 => side * spoke.turns[1],
+        _ if side > 0.0 => spoke.turns[j],
+        _ => spoke.turns[j] + PI,
+    }
+}
+
+/// The sign of `c'` between two arm angles between which it does not change.
+fn sign(from: &Spoke, to: &Spoke) -> f64 {
+    if to.c >= from.c { 1.0 } else { -1.0 }
+}
+
+/// One branch of an elbow.
+struct Branch<'w> {
+    wheels: &'w [Wheel; 2],
+    /// 1 or -1: the side of `t2` of each triple.
+    sides: [f64; 2],
+    costs: &'w Costs,
+    /// What the fourth joint costs.
+    fourth: f64,
+}
+
+impl Branch<'_> {
+    /// The rate of a joint on this branch out of those of the first side.
+    fn rate(&self, triple: usize, j: usize, rates: &[f64; 3]) -> f64 {
+        if j == 1 { self.sides[triple] * rates[1] } else { rates[j] }
+    }
+
+    /// The cost at an arm angle, infinite outside the limits, and its derivative.
+    fn point(&self, psi: f64, at: Spokes, signs: [f64; 2]) -> Point {
+        let (mut cost, mut slope) = (self.fourth, 0.0);
+        for (triple, spoke) in at.iter().enumerate() {
+            let rates = self.wheels[triple].rates(spoke.c, signs[triple]);
+            for j in 0..3 {
+                let x = turn(self.sides[triple], j, spoke);
+                let weight = self.costs.weight(triple, j);
+                let (least, off) = weight.least(Range { low: x, high: x });
+                cost = self.costs.add(cost, least);
+                let off = off.map_or(f64::NAN, |off| off.low);
+                slope += weight.twice() * off * self.rate(triple, j, &rates);
+            }
+        }
+        Point { psi, at, cost, slope }
+    }
+
+    fn consider(&self, point: &Point, best: &mut Best) {
+        if point.cost < best.cost {
+            *best = Best { cost: point.cost, psi: point.psi };
+        }
+    }
+
+    /// Searches a piece on which all angles are monotone.
+    fn search(&self, [from, to]: [&(f64, Spokes); 2], best: &mut Best, open: &mut Vec<[Point; 2]>) {
+        let signs = [0, 1].map(|i| sign(&from.1[i], &to.1[i]));
+        // Inside the limits as a whole or not at all.
+        let middle = self.at(0.5 * (from.0 + to.0), signs);
+        if middle.cost == f64::INFINITY {
+            return;
+        }
+        self.consider(&middle, best);
+        let first = self.point(from.0, from.1, signs);
+        let last = self.point(to.0, to.1, signs);
+        for (end, inwards) in [(&first, 1.0), (&last, -1.0)] {
+            self.consider(end, best);
+            // A limit that rounding puts the end past: just before it.
+            if end.cost == f64::INFINITY {
+                let near = end.psi + inwards * (0.25 * (to.0 - from.0)).min(1e-9);
+                self.consider(&self.at(near, signs), best);
+            }
+        }
+        open.clear();
+        open.extend([[middle, last], [first, middle]]);
+        while let Some([first, last]) = open.pop() {
+            let wanted = best.cost - TOLERANCE;
+            let Some(slopes) = self.bounds(&first, &last, signs, wanted) else { continue };
+            let width = last.psi - first.psi;
+            if width < SHORTEST {
+                continue;
+            }
+            if let Some(slopes) = slopes {
+                if slopes.first.low > 0.0
+                    || slopes.first.high < 0.0
+                    || least_by_slopes(&first, &last, &slopes) >= wanted
+                {
+                    continue;
+                }
+                if slopes.second.low > 0.0 {
+                    self.consider(&self.stationary(first, last, signs), best);
+                    continue;
+                }
+            }
+            let middle = self.at(first.psi + 0.5 * width, signs);
+            self.consider(&middle, best);
+            open.extend([[middle, last], [first, middle]]);
+        }
+    }
+
+    fn at(&self, psi: f64, signs: [f64; 2]) -> Point {
+        self.point(psi, spokes(self.wheels, psi), signs)
+    }
+
+    /// The one place where the derivative vanishes on a piece where it grows, or the end
+    /// next to it.
+    fn stationary(&self, mut a: Point, mut b: Point, signs: [f64; 2]) -> Point {
+        if a.slope >= 0.0 {
+            return a;
+        }
+        if b.slope <= 0.0 {
+            return b;
+        }
+        // Regula falsi with the Illinois rule, and a halving now and then.
+        let (mut at_a, mut at_b, mut last) = (a.slope, b.slope, 0.0f64);
+        for step in 0..STEPS {
+            let cut = a.psi + (b.psi - a.psi) * (at_a / (at_a - at_b));
+            let halve = step % 4 == 3 || !(cut > a.psi && cut < b.psi);
+            let x = self.at(if halve { 0.5 * (a.psi + b.psi) } else { cut }, signs);
+            // The cost is quadratic here.
+            if x.slope.abs() < 1e-6 || b.psi - a.psi < 1e-8 {
+                return x;
+            }
+            if x.slope < 0.0 {
+                (a, at_a) = (x, x.slope);
+                at_b *= if last < 0.0 { 0.5 } else { 1.0 };
+            } else {
+                (b, at_b) = (x, x.slope);
+                at_a *= if last > 0.0 { 0.5 } else { 1.0 };
+            }
+            last = x.slope;
+        }
+        a
+    }
+
+    /// `None` where the ranges of a piece allow no cost below `wanted`; else what they say
+    /// of the derivatives, where they say anything.
+    fn bounds(
+        &self,
+        first: &Point,
+        last: &Point,
+        signs: [f64; 2],
+        wanted: f64,
+    ) -> Option<Option<Slopes>> {
+        let mut cost = self.fourth;
+        let mut offs = [[None; 3]; 2];
+        for (triple, offs) in offs.iter_mut().enumerate() {
+            let ends = [&first.at[triple], &last.at[triple]];
+            let of = (triple, self.sides[triple]);
+            let least;
+            (least, *offs) = self.costs.least(&self.wheels[triple], of, ends, signs[triple]);
+            cost = self.costs.together(cost, least);
+            if cost >= wanted {
+                return None;
+            }
+        }
+        if self.costs.choice == Choice::Margin || last.psi - first.psi > 1.5 {
+            return Some(None);
+        }
+        Some(self.slopes(first, last, &offs, signs))
+    }
+
+    fn slopes(
+        &self,
+        first: &Point,
+        last: &Point,
+        offs: &[[Option<Range>; 3]; 2],
+        signs: [f64; 2],
+    ) -> Option<Slopes> {
+        let none = Range { low: 0.0, high: 0.0 };
+        let (mut slope, mut bend) = (none, none);
+        for triple in 0..2 {
+            let c = Range::of(first.at[triple].c, last.at[triple].c);
+            let (rates, bends) = self.wheels[triple].rate_ranges(c, signs[triple])?;
+            for j in 0..3 {
+                let weight = self.costs.weight(triple, j);
+                let side = if j == 1 { self.sides[triple] } else { 1.0 };
+                let (rate, second) = (rates[j].by(side), bends[j].by(side));
+                let off = offs[triple][j]?;
+                slope = slope.plus(off.times(rate).by(weight.twice()));
+                bend = bend.plus(rate.square().plus(off.times(second)).by(weight.twice()));
+            }
+        }
+        Some(Slopes { first: slope, second: bend })
+    }
+}
+
+/// A bound from below of the cost on a piece, from its values and slopes at the ends and
+/// the ranges of its derivatives.
+fn least_by_slopes(a: &Point, b: &Point, slopes: &Slopes) -> f64 {
+    // An end outside the limits by rounding says nothing.
+    if !(a.cost + b.cost).is_finite() {
+        return f64::NEG_INFINITY;
+    }
+    let width = b.psi - a.psi;
+    let ends = a.cost.min(b.cost);
+    // Where the steepest line down from one end meets the steepest up to the other.
+    let (down, up) = (slopes.first.low, slopes.first.high);
+    let t = ((a.cost - b.cost + up * width) / (up - down)).clamp(0.0, width);
+    let lines = ends.min(a.cost + down * t);
+    // Up to the middle, and from there on, the least curved parabola from the nearer end.
+    if !(a.slope + b.slope).is_finite() {
+        return lines;
+    }
+    let bend = slopes.second.low.min(0.0) * width * width / 8.0;
+    let half = 0.5 * width;
+    let parabolas = (a.cost + a.slope * half + bend).min(b.cost - b.slope * half + bend);
+    lines.max(ends.min(parabolas))
+}
+
+/// The range that an angle sweeps from `x` to `y`, both up to whole turns, in the direction
+/// of its rate.
+fn swept(x: f64, y: f64, rate: f64) -> Range {
+    // Less than a turn; what rounding leaves short of it is none at all.
+    let turn = |d: f64| {
+        let d = d - TAU * floor(d * (1.0 / TAU));
+        if d > TAU - 1e-9 { 0.0 } else { d }
+    };
+    if rate >= 0.0 {
+        Range { low: x, high: x + turn(y - x) }
+    } else {
+        Range { low: x - turn(x - y), high: x }
+    }
+}
+
+fn spokes(wheels: &[Wheel; 2], psi: f64) -> Spokes {
+    let (s, c) = Real::sin_cos(psi);
+    [wheels[0].at(s, c), wheels[1].at(s, c)]
+}
+
+/// Whether the proof holds for an arm.
+pub(super) fn applies(arm: &Srs) -> bool {
+    let (shoulder, wrist) = arm.meetings();
+    let right = |m: &Meeting| m.one.cosine == 0.0 && m.two.cosine == 0.0;
+    right(shoulder) && right(wrist)
+}
+
+/// Lowers `best` to the least cost of all arm angles and branches of one target.
+pub(super) fn certify(
+    arm: &Srs,
+    elbows: &[Bent],
+    limits: &[Limit],
+    centre: &[f64; JOINTS],
+    choice: Choice,
+    best: &mut Best,
+) {
+    let weight = |j: usize| Weight::of(choice, limits[j], arm.offset(j), centre[j]);
+    let costs = Costs { weights: std::array::from_fn(weight), choice };
+    let joints = |first: usize| [0, 1, 2].map(|j| (limits[first + j], arm.offset(first + j)));
+    let (one, two) = arm.meetings();
+    let mut cuts = Vec::with_capacity(32);
+    let mut points = Vec::with_capacity(32);
+    let mut open = Vec::with_capacity(32);
+    for bent in elbows {
+        let q = bent.fourth + arm.offset(3);
+        let off = costs.weights[3].least(Range { low: q, high: q }).0;
+        let fourth = costs.add(0.0, off);
+        if fourth >= best.cost - TOLERANCE {
+            continue;
+        }
+        let wheels = [Wheel::new(bent.shoulder), Wheel::new(bent.wrist)];
+        cuts.clear();
+        wheels[0].cuts(&mut cuts);
+        wheels[1].cuts(&mut cuts);
+        limit_cuts(one, &bent.shoulder, &joints(0), &mut cuts);
+        limit_cuts(two, &bent.wrist, &joints(4), &mut cuts);
+        cuts.retain(|x| x.is_finite());
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup_by(|a, b| (*a - *b).abs() < SHORTEST);
+        points.clear();
+        points.extend(cuts.iter().map(|&psi| (psi, spokes(&wheels, psi))));
+        let Some(&(start, at)) = points.first() else { continue };
+        points.push((start + TAU, at));
+        for piece in points.windows(2) {
+            let ends = [&piece[0], &piece[1]];
+            let least = |triple: usize, side: f64| {
+                let ends = ends.map(|end| &end.1[triple]);
+                let turns = sign(ends[0], ends[1]);
+                costs.least(&wheels[triple], (triple, side), ends, turns).0
+            };
+            let lasts = [1.0, -1.0].map(|side| (side, least(1, side)));
+            for side in [1.0, -1.0] {
+                let first = costs.together(fourth, least(0, side));
+                for (other, last) in lasts {
+                    if costs.together(first, last) < best.cost - TOLERANCE {
+                        let sides = [side, other];
+                        let branch = Branch { wheels: &wheels, sides, costs: &costs, fourth };
+                        branch.search(ends, best, &mut open);
+                    }
+                }
+            }
+        }
+    }
+}
