@@ -198,8 +198,11 @@ def tune(
     method: Annotated[str, typer.Option(help="pso (particle swarm) or cma (CMA-ES).")] = "pso",
     start: Annotated[str, typer.Option(help="Where attempts start: zero or middle.")] = "zero",
     goals: Annotated[int, typer.Option(min=1, help="Training goals.")] = 3000,
-    evaluations: Annotated[int, typer.Option(min=1, help="Gain sets to judge in a run.")] = 4840,
-    runs: Annotated[int, typer.Option(min=1, help="Runs, of which the best is kept.")] = 3,
+    evaluations: Annotated[int, typer.Option(min=1, help="Gain sets to judge in a search.")] = 4840,
+    runs: Annotated[int, typer.Option(min=1, help="Searches, of which the best is kept.")] = 3,
+    refinement: Annotated[
+        int, typer.Option(min=0, help="Gain sets to judge in the refinement, 0 for none.")
+    ] = 2400,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the search and its goals.")] = 0,
     tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-3,
     threads: Annotated[
@@ -226,6 +229,7 @@ def tune(
             goals=goals,
             evaluations=evaluations,
             runs=runs,
+            refinement=refinement,
             seed=seed,
             tolerance=tol,
             threads=threads,

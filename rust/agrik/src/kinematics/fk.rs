@@ -2,7 +2,7 @@
 
 use smallvec::{SmallVec, smallvec};
 
-use crate::chain::{Compiled, Twist};
+use crate::chain::{Compiled, Link, Twist};
 use crate::lanes::{Real, V3, axpy, blend, cross, dot, negate, scale, splat3, sub};
 
 /// One entry per joint, on the stack up to 16 of them: a call for one target then
@@ -52,6 +52,12 @@ impl<R: Real> Workspace<R> {
         let zero = [R::zero(); 3];
         let axis = Axis { origin: zero, direction: zero };
         Self { axes: smallvec![axis; chain.links.len()], x: zero, y: zero, z: zero, position: zero }
+    }
+
+    #[inline(always)]
+    fn set_frame(&mut self, frame: Frame<R>) {
+        self.set_joint_axes([frame.x, frame.y, frame.z]);
+        self.position = frame.position;
     }
 
     /// A point given in the frame of the last moved joint, in the world.
@@ -104,41 +110,81 @@ fn turn<R: Real>(axes: [V3<R>; 3], t: [f64; 3]) -> V3<R> {
 /// workspace with the axes of all moving joints and the frame of the last one.
 #[inline(always)]
 pub fn forward<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
-    pass::<R, true>(chain, q, workspace);
+    let mut frame = Frame::of_first(chain);
+    for (link, axis) in chain.links.iter().zip(&mut workspace.axes) {
+        *axis = Axis { origin: frame.position, direction: frame.z };
+        let value = value(chain, link, q);
+        frame.pass(link, || value, turn_of(link, value));
+    }
+    workspace.set_frame(frame);
 }
 
 /// [`forward`] for those who need the last frame alone: the axes are left as they were.
+///
+/// Sines and cosines come first, into `turns`, one entry per moving joint: they do not wait
+/// for each other, and the frame then stays in registers from joint to joint.
 #[inline(always)]
-pub fn forward_frame<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
-    pass::<R, false>(chain, q, workspace);
+pub fn forward_frame<R: Real>(
+    chain: &Compiled,
+    q: &[R],
+    turns: &mut [(R, R)],
+    workspace: &mut Workspace<R>,
+) {
+    for (link, turn) in chain.links.iter().zip(&mut *turns) {
+        *turn = turn_of(link, value(chain, link, q));
+    }
+    let mut frame = Frame::of_first(chain);
+    for (link, turn) in chain.links.iter().zip(turns) {
+        frame.pass(link, || value(chain, link, q), *turn);
+    }
+    workspace.set_frame(frame);
 }
 
+/// What moves a joint.
 #[inline(always)]
-fn pass<R: Real, const AXES: bool>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
-    let start = &chain.start_rotation;
-    let (mut x, mut y, mut z) =
-        (splat3::<R>(start[0]), splat3::<R>(start[1]), splat3::<R>(start[2]));
-    let mut p = splat3::<R>(chain.start_position);
-    for (link, axis) in chain.links.iter().zip(&mut workspace.axes) {
-        if AXES {
-            *axis = Axis { origin: p, direction: z };
-        }
-        let value = if chain.simple {
-            q[link.variable]
-        } else {
-            q[link.variable] * R::splat(link.multiplier)
-        };
-        let (s, c, along) = if link.prismatic {
-            let (s, c) = link.theta_sin_cos;
-            (R::splat(s), R::splat(c), value + R::splat(link.d))
-        } else {
-            let (s, c) = (value + R::splat(link.theta)).sin_cos();
-            (s, c, R::splat(link.d))
-        };
+fn value<R: Real>(chain: &Compiled, link: &Link, q: &[R]) -> R {
+    let value = q[link.variable];
+    if chain.simple { value } else { value * R::splat(link.multiplier) }
+}
+
+/// Sine and cosine of a joint's turn.
+#[inline(always)]
+fn turn_of<R: Real>(link: &Link, value: R) -> (R, R) {
+    if link.prismatic {
+        let (s, c) = link.theta_sin_cos;
+        (R::splat(s), R::splat(c))
+    } else {
+        (value + R::splat(link.theta)).sin_cos()
+    }
+}
+
+/// A joint's frame in the world, on its way from base to tool.
+#[derive(Debug, Clone, Copy)]
+struct Frame<R> {
+    x: V3<R>,
+    y: V3<R>,
+    z: V3<R>,
+    position: V3<R>,
+}
+
+impl<R: Real> Frame<R> {
+    /// The first joint's frame.
+    #[inline(always)]
+    fn of_first(chain: &Compiled) -> Self {
+        let [x, y, z] = &chain.start_rotation;
+        Self { x: splat3(*x), y: splat3(*y), z: splat3(*z), position: splat3(chain.start_position) }
+    }
+
+    /// Moves the joint, and goes on to the next one's frame.
+    #[inline(always)]
+    fn pass(&mut self, link: &Link, value: impl FnOnce() -> R, (s, c): (R, R)) {
+        let (mut x, mut y, mut z, mut p) = (self.x, self.y, self.z, self.position);
         (x, y) = (blend(x, c, y, s), blend(y, c, x, -s));
         // Asked of the bits, which costs less than asking of the numbers.
-        if link.prismatic || link.d.to_bits() != 0 {
-            p = axpy(z, along, p);
+        if link.prismatic {
+            p = axpy(z, value() + R::splat(link.d), p);
+        } else if link.d.to_bits() != 0 {
+            p = axpy(z, R::splat(link.d), p);
         }
         if link.a.to_bits() != 0 {
             p = axpy(x, R::splat(link.a), p);
@@ -162,9 +208,6 @@ fn pass<R: Real, const AXES: bool>(chain: &Compiled, q: &[R], workspace: &mut Wo
                 z = turn(axes, columns[2]);
             }
         }
+        *self = Self { x, y, z, position: p };
     }
-    workspace.x = x;
-    workspace.y = y;
-    workspace.z = z;
-    workspace.position = p;
 }

@@ -1,8 +1,10 @@
 //! The shared evaluator of all population solvers: one individual per lane.
 
+use smallvec::smallvec;
+
 use super::random::Stream;
 use crate::chain::{Chain, Compiled, JointKind};
-use crate::kinematics::{Workspace, forward_frame};
+use crate::kinematics::{PerJoint, Workspace, forward_frame};
 use crate::lanes::Real;
 
 /// What makes one individual better than another: the lower the cost, the better.
@@ -187,6 +189,7 @@ impl<R: Real> Population<R> {
 pub struct Evaluator<'a, R, F> {
     chain: &'a Compiled,
     fitness: F,
+    turns: PerJoint<(R, R)>,
     workspace: Workspace<R>,
 }
 
@@ -194,7 +197,8 @@ impl<'a, R: Real, F: Fitness<R>> Evaluator<'a, R, F> {
     /// An evaluator over a chain.
     #[inline(always)]
     pub fn new(chain: &'a Compiled, fitness: F) -> Self {
-        Self { chain, fitness, workspace: Workspace::new(chain) }
+        let turns = smallvec![(R::zero(), R::zero()); chain.links.len()];
+        Self { chain, fitness, turns, workspace: Workspace::new(chain) }
     }
 
     /// The fitness.
@@ -209,7 +213,7 @@ impl<'a, R: Real, F: Fitness<R>> Evaluator<'a, R, F> {
         let infinite = R::splat(f64::INFINITY);
         let blocks = population.genes.chunks_exact(dof).zip(&mut population.cost);
         for (block, cost) in blocks {
-            forward_frame(self.chain, block, &mut self.workspace);
+            forward_frame(self.chain, block, &mut self.turns, &mut self.workspace);
             let found = self.fitness.cost(block, &self.workspace);
             *cost = R::select(found.lt(infinite), found, infinite);
         }
