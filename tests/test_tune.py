@@ -85,9 +85,10 @@ def test_other_robots_can_be_tuned(robot):
     content.make()
 
 
-# In the first search, in the second one, in that of the wider shape, in the refinement.
+# In the first search, in the second one, in the refinement, in the search of the wider
+# shape, in its refinement.
 @pytest.mark.parametrize(
-    ("method", "kill"), [("pso", 200), ("cma", 600), ("pso", 900), ("pso", 1250)]
+    ("method", "kill"), [("pso", 200), ("cma", 600), ("pso", 900), ("pso", 1250), ("cma", 1400)]
 )
 def test_a_killed_run_goes_on_to_the_same_gains(tmp_path, monkeypatch, method, kill):
     monkeypatch.setattr(tuning_module, "CHECKPOINT_PERIOD_S", -1.0)
@@ -121,6 +122,13 @@ def test_checkpoints_of_other_runs_are_refused(tmp_path, monkeypatch):
         tune(ARM, tuning, checkpoint=checkpoint, resume=True)
     with pytest.raises(GainFileError, match="no such checkpoint"):
         tune(ARM, tuning, checkpoint=tmp_path / "none.npz", resume=True)
+
+
+def test_usual_settings_belong_to_the_solver():
+    assert Tuning.usual("state-space") == Tuning()
+    pid = Tuning.usual("ik-pid", goals=50)
+    assert (pid.solver, pid.method, pid.goals) == ("ik-pid", "cma", 50)
+    assert pid.evaluations < Tuning().evaluations
 
 
 def test_words_are_checked():

@@ -186,8 +186,8 @@ class StateSpace:
 
     ``dq = C x``, then ``x <- A x + B e``, from ``x = 0``; joint values saturate at their
     limits. Burrell, Montazeri, Monk and Taylor, equations (14), (15), Algorithm II.
-    Without matrices: half the pseudo-inverse of the posture in the middle of the limits,
-    or of one about it where that is singular, as B, with A zero and C the identity.
+    Without matrices: a quarter of the pseudo-inverse of the posture in the middle of the
+    limits, or of one about it where that is singular, as B, with A zero and C the identity.
 
     Parameters
     ----------

@@ -39,6 +39,9 @@ SOLVERS = ("state-space", "static-gain", "ik-pid")
 SHAPES = ("input", "diagonal", "full")
 _POPULATION = {"pso": 40, "cma": 24}
 _SIGMA = {"pso": 0.3, "cma": 0.25}
+_USUAL: dict[str, dict[str, Any]] = {
+    "ik-pid": {"method": "cma", "goals": 600, "evaluations": 400, "refinement": 200}
+}
 _DEGREE = float(np.pi / 180)
 _CENTIMETRE = 0.01
 # Lengths that the published IK-PID gains belong to: the HydroLek's reach, m.
@@ -77,11 +80,11 @@ class Tuning:
         Gain sets to judge in a search, rounded up to whole generations.
     runs : int
         Searches from other random numbers, of which the best is kept: now and then one
-        ends in a poor valley. They look for B alone; another shape is then searched once,
-        from the best of them.
+        ends in a poor valley. They look for B alone; a wider shape is searched once, from
+        the best of them.
     refinement : int
         Gain sets to judge in the refinement of the best by CMA-ES, which trains on four
-        times `goals` other goals; 0 for none.
+        times `goals` other goals, once for B alone and once for a wider shape; 0 for none.
     population : int, optional
         Gain sets a generation; 40 (pso), 24 (cma).
     sigma : float, optional
@@ -125,6 +128,22 @@ class Tuning:
         whole_number("runs", self.runs, 1)
         whole_number("refinement", self.refinement, 0)
         whole_number("seed", self.seed, 0, 2**32)
+
+    @classmethod
+    def usual(cls, solver: str, **fields: Any) -> Tuning:
+        """Return what to begin with for a solver.
+
+        IK-PID has three numbers and slow steps: CMA-ES finds them with 600 goals and 400
+        gain sets, on which the others would be at work for an hour.
+
+        Parameters
+        ----------
+        solver : {"state-space", "static-gain", "ik-pid"}
+            Whose gains.
+        **fields
+            Other fields that are to differ from the usual ones.
+        """
+        return cls(solver=solver, **(_USUAL.get(solver, {}) | fields))
 
     def identity(self, robot: Robot) -> dict[str, Any]:
         """Return what two runs must share for one to go on where the other stopped."""
@@ -177,37 +196,36 @@ class _Leg:
 
 
 def _legs(tuning: Tuning) -> list[_Leg]:
-    """Return the searches: of B alone, of the shape wanted, the refinement."""
+    """Return the searches: of B alone and its refinement, then of the shape wanted."""
     narrow = "input" if tuning.solver == "state-space" else tuning.shape
-    legs = [
-        _Leg(
-            shape=narrow,
-            method=tuning.method,
-            from_best=False,
-            evaluations=tuning.evaluations,
-            sigma=tuning.sigma or _SIGMA[tuning.method],
-            seed=0,
-            goals=tuning.goals,
-            goal_seed=_TRAINING_SEED + tuning.seed,
-        )
-    ] * tuning.runs
+    search = _Leg(
+        shape=narrow,
+        method=tuning.method,
+        from_best=False,
+        evaluations=tuning.evaluations,
+        sigma=tuning.sigma or _SIGMA[tuning.method],
+        seed=0,
+        goals=tuning.goals,
+        goal_seed=_TRAINING_SEED + tuning.seed,
+    )
+    refinement = _Leg(
+        shape=narrow,
+        method="cma",
+        from_best=True,
+        evaluations=tuning.refinement,
+        sigma=_REFINEMENT_SIGMA,
+        seed=0,
+        goals=_MORE_GOALS * tuning.goals,
+        goal_seed=_REFINEMENT_SEED + tuning.seed,
+    )
+    legs = [search] * tuning.runs + [refinement]
     if narrow != tuning.shape:
-        legs.append(dataclasses.replace(legs[0], shape=tuning.shape, from_best=True))
-    if tuning.refinement > 0:
-        refinement = _Leg(
-            shape=tuning.shape,
-            method="cma",
-            from_best=True,
-            evaluations=tuning.refinement,
-            sigma=_REFINEMENT_SIGMA,
-            seed=0,
-            goals=_MORE_GOALS * tuning.goals,
-            goal_seed=_REFINEMENT_SEED + tuning.seed,
-        )
-        legs.append(refinement)
+        wide = dataclasses.replace(search, from_best=True)
+        legs += [dataclasses.replace(leg, shape=tuning.shape) for leg in (wide, refinement)]
     # Each has random numbers of its own.
     first = len(legs) * tuning.seed
-    return [dataclasses.replace(leg, seed=first + i) for i, leg in enumerate(legs)]
+    numbered = [dataclasses.replace(leg, seed=first + i) for i, leg in enumerate(legs)]
+    return [leg for leg in numbered if leg.evaluations > 0]
 
 
 def template(robot: Robot, tuning: Tuning) -> Gains:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from .._output import figure, save, write_csv, write_text
-from .experiments import Repeated, SinglePoint, Table
+from .experiments import PUBLISHED_COST, PUBLISHED_MEAN, Repeated, SinglePoint, Table
 
 GOOD, BAD = "#2a7f62", "#b5462f"
 
@@ -38,6 +38,7 @@ def convergence(folder: Path, content: SinglePoint) -> list[Path]:
     axes.semilogy(content.costs, color=GOOD, label="one run")
     axes.semilogy(content.median, "--", color="gray", label="median of 30 runs")
     axes.axvline(80, color=BAD, linewidth=0.8, label="convergence as published")
+    axes.plot([200], [PUBLISHED_COST], "D", color=BAD, label="published cost, 6.65e-6")
     axes.set_xlabel("generation")
     axes.set_ylabel("best cost [mm + 100 rad]")
     axes.legend()
@@ -53,10 +54,12 @@ def thirty(folder: Path, content: Repeated) -> list[Path]:
     axes.semilogy(run, costs, color="lightgray", zorder=1)
     axes.semilogy(run[good], costs[good], "o", color=GOOD, label="succeeded")
     axes.semilogy(run[~good], costs[~good], "x", color=BAD, label="stuck")
-    axes.axhline(1.27e-6, color="gray", linewidth=0.8, linestyle="--", label="published mean")
+    axes.axhline(
+        PUBLISHED_MEAN, color="gray", linewidth=0.8, linestyle="--", label="published mean"
+    )
     axes.set_xlabel("run")
-    axes.set_ylabel("cost after 200 generations")
-    axes.legend()
+    axes.set_ylabel("cost after 200 generations [mm + 100 rad]")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
     return save(drawing, folder, "figure4")
 
 
@@ -69,7 +72,7 @@ def histogram(folder: Path, content: Repeated) -> list[Path]:
     axes.hist(costs[content.success], edges, color=GOOD, label="succeeded")
     axes.hist(costs[~content.success], edges, color=BAD, label="stuck")
     axes.set_yscale("log")
-    axes.set_xlabel("log10 of the cost after 200 generations")
+    axes.set_xlabel("log10 of the cost after 200 generations [mm + 100 rad]")
     axes.set_ylabel("runs")
     axes.set_title(f"{content.share:.1%} of {len(costs)} runs succeed", fontsize="medium")
     axes.legend()
