@@ -230,7 +230,7 @@ impl Differential {
             };
             let u: R = stream.choices();
             let taken = u.min(until_forced.abs()).le(rate);
-            until_forced = until_forced - R::splat(1.0);
+            until_forced -= R::splat(1.0);
             *made = self.boundary.apply(R::select(taken, mutant, x), gene, stream);
         }
     }
