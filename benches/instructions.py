@@ -25,8 +25,14 @@ ROOT = Path(__file__).resolve().parents[1]
 BASELINE = ROOT / "benches" / "data" / "instructions.json"
 # Compilers differ from release to release; a step more per target is about a tenth.
 BOUND = 1.30
-TARGETS = 500
-CASES = (("redundant7", "pose"), ("puma560", "pose"), ("puma560", "position"))
+# Robot, task, targets, and how many of them at least are solved: all, but for the published
+# differential evolution, which is no such solver.
+CASES = (
+    ("redundant7", "pose", 500, 500),
+    ("puma560", "pose", 500, 500),
+    ("puma560", "position", 500, 500),
+    ("redundant7", "evolution", 20, 16),
+)
 LEVELS = ("scalar", "avx2")
 # The function of rust/agrik/benches/instructions.rs that is counted.
 COUNTED = "*measured*"
@@ -48,30 +54,31 @@ def build() -> Path:
     return Path(path)
 
 
-def count(program: Path, level: str, robot: str, task: str) -> float:
+def count(program: Path, level: str, robot: str, task: str, targets: int, least: int) -> float:
     """Return the instructions per target of one call.
 
     Raises
     ------
     SystemExit
-        If a target is not solved, or the machine lacks the instruction set.
+        If too few targets are solved, or the machine lacks the instruction set.
     """
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "callgrind.out"
         command = [
             *("valgrind", "--tool=callgrind", "--collect-atstart=no"),
             *(f"--toggle-collect={COUNTED}", f"--callgrind-out-file={out}"),
-            *(str(program), robot, task, str(TARGETS)),
+            *(str(program), robot, task, str(targets)),
         ]
         environment = {**os.environ, "AGRIK_SIMD": level}
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-        expected = f"level {level} solved {TARGETS} of {TARGETS}"
-        if done.returncode or done.stdout.strip() != expected:
+        said = re.fullmatch(rf"level {level} solved (\d+) of {targets}", done.stdout.strip())
+        if done.returncode or said is None or int(said[1]) < least:
+            expected = f"level {level} solved {least} or more of {targets}"
             sys.exit(f"{robot}, {task}: {done.stdout}{done.stderr}\nexpected: {expected}")
         total = re.search(r"^summary: (\d+)", out.read_text(encoding="utf-8"), re.MULTILINE)
     if total is None or int(total[1]) == 0:
         sys.exit(f"callgrind found no function {COUNTED} in {program}")
-    return int(total[1]) / TARGETS
+    return int(total[1]) / targets
 
 
 def main() -> int:
@@ -86,10 +93,10 @@ def main() -> int:
     found: dict[str, int] = {}
     over = []
     print(f"{'robot, task, level':32} {'instructions per target':>24} {'to the baseline':>16}")
-    for robot, task in CASES:
+    for robot, task, targets, least in CASES:
         for level in LEVELS:
             name = f"{robot}, {task}, {level}"
-            found[name] = round(count(program, level, robot, task))
+            found[name] = round(count(program, level, robot, task, targets, least))
             before = baseline.get(name)
             ratio = found[name] / before if before else None
             shown = "new" if ratio is None else f"{100 * (ratio - 1):+.1f} %"

@@ -3,7 +3,8 @@
     python benches/solvers.py [--goals 1000] [--tolerance 1e-3] [-o results.csv]
 
 Goals are tool points (or poses, with --poses) of postures drawn uniformly in the joint
-limits, so all can be reached. Feedback solvers run untuned, from a frozen pseudo-inverse.
+limits, so all can be reached. Feedback solvers run untuned, from a frozen pseudo-inverse; arms
+without a closed form have a dash in its column.
 """
 
 from __future__ import annotations
@@ -31,8 +32,10 @@ POSITION = (
     "ik-pid",
     "static-gain",
     "state-space",
+    "de",
+    "ga",
 )
-POSE = tuple(name for name in POSITION if name != "ccd")
+POSE = (*(name for name in POSITION if name != "ccd"), "closed_form")
 
 
 def prismatic_arm() -> ik.Robot:
@@ -96,6 +99,9 @@ def main() -> None:
         targets = poses if options.poses else poses[:, :3, 3]
         line = f"{arm.name:12}"
         for solver in solvers:
+            if solver == "closed_form" and arm.closed_form is None:
+                line += f"{'-':>20}"
+                continue
             row = measure(arm, targets, solver, options.tolerance)
             rows.append(row)
             line += f"{100 * row['reached']:8.1f} % {row['us_min']:7.2f} us"

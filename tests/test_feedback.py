@@ -99,6 +99,17 @@ def test_every_robot_reaches_most_positions_without_tuning(robot, solver):
     assert_true(arm, targets, result, 1e-3)
 
 
+@pytest.mark.parametrize("robot", ik.Robot.names())
+@pytest.mark.parametrize("solver", ["static-gain", "state-space"])
+def test_one_matrix_serves_a_part_of_every_workspace(robot, solver):
+    # The middle posture of redundant7 is singular: a matrix frozen there reached nothing.
+    arm = ik.Robot.load(robot)
+    targets = goals.joint_uniform(arm, 100, 5)
+    result = arm.ik(targets, solver=solver, position_tolerance=1e-3)
+    assert result.success.mean() >= 0.25
+    assert_true(arm, targets, result, 1e-3)
+
+
 def test_prismatic_joints_take_part():
     arm = ik.Robot.from_dh(
         [[0, np.pi / 2, 0.4, 0], [0, -np.pi / 2, 0.2, 0], [0, 0, 0.1, 0]],

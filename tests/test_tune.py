@@ -12,11 +12,11 @@ import agrik_fast as ik
 from agrik_fast import gain_file, goals
 from agrik_fast import tune as tuning_module
 from agrik_fast.cli.app import app
-from agrik_fast.errors import GainFileError, UnknownNameError
+from agrik_fast.errors import ArgumentError, GainFileError, UnknownNameError
 from agrik_fast.tune import Tuning, tune
 
 ARM = ik.Robot.load("hydrolek")
-QUICK = Tuning(goals=300, evaluations=400, runs=1)
+QUICK = Tuning(goals=300, evaluations=400, runs=1, refinement=100)
 
 
 class Killed(Exception):
@@ -52,8 +52,29 @@ def test_other_solvers_and_methods(solver, method):
 
 @pytest.mark.parametrize(("shape", "numbers"), [("input", 15), ("diagonal", 24), ("full", 90)])
 def test_shapes_have_so_many_parameters(shape, numbers):
-    content = tune(ARM, dataclasses.replace(QUICK, shape=shape, goals=20, evaluations=40))
+    quick = dataclasses.replace(QUICK, shape=shape, goals=20, evaluations=40, refinement=30)
+    content = tune(ARM, quick)
     assert content.training.origin == f"pso, {numbers} parameters"
+    gains = content.make()  # a spectral radius of 1 or more would warn
+    assert isinstance(gains, ik.solvers.StateSpace) and gains.spectral_radius < 1
+
+
+def test_more_searching_is_never_chosen_where_it_does_worse():
+    solved = []
+    for refinement in (0, 200):
+        content = tune(ARM, dataclasses.replace(QUICK, refinement=refinement))
+        training = content.training
+        assert training.validation_goals == 10_000
+        streams = {training.seed, training.validation_seed, content.success.seed}
+        assert len(streams) == 3
+        solved.append(training.validation_solved)
+        again = ARM.ik(
+            goals.joint_uniform(ARM, 10_000, training.validation_seed),
+            solver=dataclasses.replace(content.make(), max_iterations=400),
+            position_tolerance=1e-3,
+        )
+        assert int(again.success.sum()) == training.validation_solved
+    assert solved[1] >= solved[0]
 
 
 @pytest.mark.parametrize("robot", ["tomato", "redundant7"])
@@ -64,10 +85,14 @@ def test_other_robots_can_be_tuned(robot):
     content.make()
 
 
-@pytest.mark.parametrize(("method", "kill"), [("pso", 200), ("cma", 200), ("pso", 600)])
+# In the first search, in the second one, in the refinement, in the search of the wider
+# shape, in its refinement.
+@pytest.mark.parametrize(
+    ("method", "kill"), [("pso", 200), ("cma", 600), ("pso", 900), ("pso", 1250), ("cma", 1400)]
+)
 def test_a_killed_run_goes_on_to_the_same_gains(tmp_path, monkeypatch, method, kill):
     monkeypatch.setattr(tuning_module, "CHECKPOINT_PERIOD_S", -1.0)
-    tuning = dataclasses.replace(QUICK, goals=50, method=method, runs=2)
+    tuning = dataclasses.replace(QUICK, goals=50, method=method, runs=2, shape="diagonal")
     whole = tune(ARM, tuning)
     checkpoint = tmp_path / "run.npz"
     with pytest.raises(Killed):
@@ -99,16 +124,26 @@ def test_checkpoints_of_other_runs_are_refused(tmp_path, monkeypatch):
         tune(ARM, tuning, checkpoint=tmp_path / "none.npz", resume=True)
 
 
+def test_usual_settings_belong_to_the_solver():
+    assert Tuning.usual("state-space") == Tuning()
+    pid = Tuning.usual("ik-pid", goals=50)
+    assert (pid.solver, pid.method, pid.goals) == ("ik-pid", "cma", 50)
+    assert pid.evaluations < Tuning().evaluations
+
+
 def test_words_are_checked():
     with pytest.raises(UnknownNameError, match="unknown method 'psso'"):
         Tuning(method="psso")
     with pytest.raises(UnknownNameError, match="unknown shape"):
-        tune(ARM, Tuning(shape="round"))
+        Tuning(shape="round")
+    with pytest.raises(ArgumentError, match="refinement"):
+        Tuning(refinement=-1)
 
 
 def test_the_command_writes_a_gain_file(tmp_path):
     output = tmp_path / "gains.toml"
-    arguments = ["tune", "hydrolek", "-o", str(output), "--goals", "100", "--evaluations", "80"]
+    arguments = ["tune", "hydrolek", "-o", str(output)]
+    arguments += ["--goals", "100", "--evaluations", "80", "--refinement", "50"]
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 0, result.output
     assert gain_file.read(output).robot == "hydrolek"

@@ -186,8 +186,8 @@ class StateSpace:
 
     ``dq = C x``, then ``x <- A x + B e``, from ``x = 0``; joint values saturate at their
     limits. Burrell, Montazeri, Monk and Taylor, equations (14), (15), Algorithm II.
-    Without matrices: half the pseudo-inverse of the posture in the middle of the limits,
-    as B, with A zero and C the identity.
+    Without matrices: a quarter of the pseudo-inverse of the posture in the middle of the
+    limits, or of one about it where that is singular, as B, with A zero and C the identity.
 
     Parameters
     ----------
@@ -291,7 +291,7 @@ class StaticGain:
 
     ``dq = K e``, saturated at the limits. What a tuned state space does, with fewer
     numbers. Without a matrix: half the pseudo-inverse of the posture in the middle of
-    the limits.
+    the limits, or of one about it where that is singular.
 
     Parameters
     ----------
@@ -358,7 +358,7 @@ class Broyden:
     ----------
     K : array_like, shape (n, 3) or (n, 6), optional
         The first matrix; default half the pseudo-inverse of the posture in the middle of
-        the limits.
+        the limits, or of one about it where that is singular.
     patience : int, default 8
         Steps without improvement before K is forgotten; 1 to 2**32 - 1.
     length_unit_m : float, default 1

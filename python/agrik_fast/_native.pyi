@@ -208,6 +208,13 @@ class Chain:
     def jacobian(self, q: ArrayLike) -> NDArray[np.float64]:
         """Return geometric Jacobians, shape (..., 6, dof), linear rows first."""
 
+    def frozen_gain(self) -> NDArray[np.float64]:
+        """Return the gain that feedback solvers without matrices start from.
+
+        Half a pseudo-inverse for positions, in the middle of the limits or where the arm is
+        not singular; rad or m by m, along the axes of the first link, shape (dof, 3).
+        """
+
     def ik(
         self,
         targets: ArrayLike,

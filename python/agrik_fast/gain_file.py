@@ -91,6 +91,12 @@ class TrainingTable(_Table):
     """Mean cost on the training goals."""
     solved: int | None = None
     """Training goals reached."""
+    validation_seed: int | None = None
+    """Seed of the goals that the choice between gain sets was made on."""
+    validation_goals: int | None = None
+    """Number of these."""
+    validation_solved: int | None = None
+    """How many of these the chosen set reaches."""
 
 
 class SuccessTable(_Table):

@@ -1,9 +1,10 @@
 """Tuning: finds the gains of a feedback solver for a robot.
 
-A particle swarm or CMA-ES, run in the compiled core, lowers the mean cost over training
+Particle swarms or CMA-ES, run in the compiled core, lower the mean cost over training
 goals: a tenth of a point per hundred steps; for a goal that is missed ten points and
-twenty per metre that is left. The gains found are then tried on goals that the search
-has not seen.
+twenty per metre that is left. The best of them is refined by CMA-ES on four times as many
+goals of another stream, too many to learn by heart. What is kept is chosen on goals of a
+third stream, and tried on goals of a fourth.
 """
 
 from __future__ import annotations
@@ -35,13 +36,25 @@ TEST_SEED = 1
 TEST_GOALS = 1000
 LAW = "joint values uniform in the limits (SplitMix64)"
 SOLVERS = ("state-space", "static-gain", "ik-pid")
+SHAPES = ("input", "diagonal", "full")
 _POPULATION = {"pso": 40, "cma": 24}
 _SIGMA = {"pso": 0.3, "cma": 0.25}
+_USUAL: dict[str, dict[str, Any]] = {
+    "ik-pid": {"method": "cma", "goals": 600, "evaluations": 400, "refinement": 200}
+}
 _DEGREE = float(np.pi / 180)
 _CENTIMETRE = 0.01
 # Lengths that the published IK-PID gains belong to: the HydroLek's reach, m.
 _PID_REACH_M = 1.49
 CHECKPOINT_PERIOD_S = 2.0
+# The refinement: goals for one of a search, and the deviation it begins with.
+_MORE_GOALS = 4
+_REFINEMENT_SIGMA = 0.05
+_VALIDATION_GOALS = 10_000
+# Streams of goals are apart from each other, and from that of the tests, for any seed.
+_TRAINING_SEED = 100
+_REFINEMENT_SEED = 2**40
+_VALIDATION_SEED = 2**48
 
 Gains = StateSpace | StaticGain | IkPid
 
@@ -64,10 +77,14 @@ class Tuning:
     goals : int
         Training goals.
     evaluations : int
-        Gain sets to judge in a run, rounded up to whole generations.
+        Gain sets to judge in a search, rounded up to whole generations.
     runs : int
-        Searches from other random numbers, of which the one of least cost is kept: now
-        and then one ends in a poor valley.
+        Searches from other random numbers, of which the best is kept: now and then one
+        ends in a poor valley. They look for B alone; a wider shape is searched once, from
+        the best of them.
+    refinement : int
+        Gain sets to judge in the refinement of the best by CMA-ES, which trains on four
+        times `goals` other goals, once for B alone and once for a wider shape; 0 for none.
     population : int, optional
         Gain sets a generation; 40 (pso), 24 (cma).
     sigma : float, optional
@@ -89,6 +106,7 @@ class Tuning:
     goals: int = 3000
     evaluations: int = 4840
     runs: int = 3
+    refinement: int = 2400
     population: int | None = None
     sigma: float | None = None
     seed: int = 0
@@ -99,6 +117,8 @@ class Tuning:
     def __post_init__(self) -> None:
         if self.solver not in SOLVERS:
             raise UnknownNameError("solver", self.solver, SOLVERS)
+        if self.shape not in SHAPES:
+            raise UnknownNameError("shape", self.shape, SHAPES)
         if self.method not in _POPULATION:
             raise UnknownNameError("method", self.method, _POPULATION)
         if self.start not in ("zero", "middle"):
@@ -106,13 +126,29 @@ class Tuning:
         whole_number("goals", self.goals, 1)
         whole_number("evaluations", self.evaluations, 1)
         whole_number("runs", self.runs, 1)
+        whole_number("refinement", self.refinement, 0)
         whole_number("seed", self.seed, 0, 2**32)
+
+    @classmethod
+    def usual(cls, solver: str, **fields: Any) -> Tuning:
+        """Return what to begin with for a solver.
+
+        IK-PID has three numbers and slow steps: CMA-ES finds them with 600 goals and 400
+        gain sets, on which the others would be at work for an hour.
+
+        Parameters
+        ----------
+        solver : {"state-space", "static-gain", "ik-pid"}
+            Whose gains.
+        **fields
+            Other fields that are to differ from the usual ones.
+        """
+        return cls(solver=solver, **(_USUAL.get(solver, {}) | fields))
 
     def identity(self, robot: Robot) -> dict[str, Any]:
         """Return what two runs must share for one to go on where the other stopped."""
         fields = dataclasses.asdict(self)
-        for name in ("evaluations", "threads"):
-            del fields[name]
+        del fields["threads"]
         chain = [robot.lower.tolist(), robot.upper.tolist(), robot.fk(np.zeros(robot.dof)).tolist()]
         return {"robot": robot.name, "geometry": chain, "version": __version__} | fields
 
@@ -126,14 +162,77 @@ class Report:
     wanted: int
     """Gain sets to be judged."""
     cost: float
-    """Mean cost of the best."""
+    """Mean cost of the best of the present search, on its own goals."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Leg:
+    """A search on the way: from where, over which numbers, on which goals."""
+
+    shape: str
+    method: str
+    from_best: bool
+    evaluations: int
+    sigma: float
+    seed: int
+    goals: int
+    goal_seed: int
+
+    def tuner(self, robot: Robot, tuning: Tuning, start_from: Gains) -> Tuner:
+        return Tuner(
+            robot._chain,
+            start_from,
+            joint_uniform(robot, self.goals, self.goal_seed),
+            self.shape,
+            self.method,
+            tuning.population or _POPULATION[self.method],
+            self.sigma,
+            self.seed,
+            tuning.start,
+            tuning.max_iterations,
+            tuning.tolerance,
+            tuning.threads,
+        )
+
+
+def _legs(tuning: Tuning) -> list[_Leg]:
+    """Return the searches: of B alone and its refinement, then of the shape wanted."""
+    narrow = "input" if tuning.solver == "state-space" else tuning.shape
+    search = _Leg(
+        shape=narrow,
+        method=tuning.method,
+        from_best=False,
+        evaluations=tuning.evaluations,
+        sigma=tuning.sigma or _SIGMA[tuning.method],
+        seed=0,
+        goals=tuning.goals,
+        goal_seed=_TRAINING_SEED + tuning.seed,
+    )
+    refinement = _Leg(
+        shape=narrow,
+        method="cma",
+        from_best=True,
+        evaluations=tuning.refinement,
+        sigma=_REFINEMENT_SIGMA,
+        seed=0,
+        goals=_MORE_GOALS * tuning.goals,
+        goal_seed=_REFINEMENT_SEED + tuning.seed,
+    )
+    legs = [search] * tuning.runs + [refinement]
+    if narrow != tuning.shape:
+        wide = dataclasses.replace(search, from_best=True)
+        legs += [dataclasses.replace(leg, shape=tuning.shape) for leg in (wide, refinement)]
+    # Each has random numbers of its own.
+    first = len(legs) * tuning.seed
+    numbered = [dataclasses.replace(leg, seed=first + i) for i, leg in enumerate(legs)]
+    return [leg for leg in numbered if leg.evaluations > 0]
 
 
 def template(robot: Robot, tuning: Tuning) -> Gains:
     """Return the gains that a search starts from.
 
-    Half the pseudo-inverse in the middle of the limits, as a matrix or as the settled gain
-    of a state space; for IK-PID the published gains, scaled by the robot's reach.
+    Half a pseudo-inverse, the gain of solvers without matrices, as it is or as the settled
+    gain of a state space; for IK-PID the published gains, scaled by the robot's reach.
     """
     common: dict[str, Any] = {
         "start": tuning.start,
@@ -144,21 +243,16 @@ def template(robot: Robot, tuning: Tuning) -> Gains:
     if tuning.solver == "ik-pid":
         share = _PID_REACH_M / robot.reach_radius
         return IkPid(kp=0.012 * share, ki=1.3e-8 * share, kd=0.08 * share, **common)
-    lower = np.where(np.isfinite(robot.lower), robot.lower, 0.0)
-    upper = np.where(np.isfinite(robot.upper), robot.upper, 0.0)
-    jacobian = robot.jacobian(0.5 * (lower + upper))[:3]
     units = np.where([kind == "prismatic" for kind in robot.joint_types], _CENTIMETRE, _DEGREE)
-    gain = 0.5 * np.linalg.pinv(jacobian, rcond=1e-2) * _CENTIMETRE / units[:, None]
+    gain = robot._chain.frozen_gain() * _CENTIMETRE / units[:, None]
     common |= {"length_unit_m": _CENTIMETRE, "angle_unit_rad": _DEGREE}
     if tuning.solver == "static-gain":
         return StaticGain(K=matrix_of("K", gain), **common)
-    # The signs are the published ones. Inputs of at most one (and a half) leave the search
-    # room to grow them: larger ones were seen to end in poorer sets.
-    pole = 0.0 if tuning.shape == "input" else -0.5
+    # The signs are the published ones. Inputs of at most one leave the search room to grow
+    # them: larger ones were seen to end in poorer sets.
     output = -float(np.abs(gain).max())
     eye = np.eye(robot.dof)
-    inputs = gain * (1 - pole) / output
-    matrices = {"A": pole * eye, "B": inputs, "C": output * eye}
+    matrices = {"A": 0.0 * eye, "B": gain / output, "C": output * eye}
     common |= {name: matrix_of(name, m) for name, m in matrices.items()}
     return StateSpace(**common)
 
@@ -200,62 +294,45 @@ def tune(
         The checkpoint is another run's or damaged, or exists already without `resume`.
     """
     start_from = template(robot, tuning)
-    training_seed = 100 + tuning.seed
-    goals = joint_uniform(robot, tuning.goals, training_seed)
-
-    def search(run: int) -> Tuner:
-        return Tuner(
-            robot._chain,
-            start_from,
-            goals,
-            tuning.shape,
-            tuning.method,
-            tuning.population or _POPULATION[tuning.method],
-            tuning.sigma or _SIGMA[tuning.method],
-            tuning.runs * tuning.seed + run,
-            tuning.start,
-            tuning.max_iterations,
-            tuning.tolerance,
-            tuning.threads,
-        )
-
+    legs = _legs(tuning)
     progress = _Progress(identity=tuning.identity(robot))
-    tuner = search(0)
-    if checkpoint is not None:
-        state = _prepare(checkpoint, progress, resume)
-        if state is not None:
-            tuner = search(progress.run)
-            _restore(checkpoint, tuner, state)
+    state = None if checkpoint is None else _prepare(checkpoint, progress, resume)
     saved = time.monotonic()
-    while True:
-        while tuner.evaluations < tuning.evaluations:
+    while progress.leg < len(legs):
+        leg = legs[progress.leg]
+        best = _with_gains(start_from, progress.gains)
+        tuner = leg.tuner(robot, tuning, best if leg.from_best else start_from)
+        if checkpoint is not None and state is not None:
+            _restore(checkpoint, tuner, state)
+            state = None
+        while tuner.evaluations < leg.evaluations:
             tuner.advance()
             if report is not None:
-                report(
-                    Report(
-                        evaluations=progress.evaluations + tuner.evaluations,
-                        wanted=tuning.runs * tuning.evaluations,
-                        cost=min(progress.cost, tuner.cost),
-                    )
-                )
+                judged = progress.evaluations + tuner.evaluations
+                ahead = sum(other.evaluations for other in legs[progress.leg + 1 :])
+                wanted = judged + max(leg.evaluations - tuner.evaluations, 0) + ahead
+                report(Report(evaluations=judged, wanted=wanted, cost=tuner.cost))
             if checkpoint is not None and time.monotonic() - saved > CHECKPOINT_PERIOD_S:
                 _save(checkpoint, progress, tuner.state())
                 saved = time.monotonic()
-        progress.end_run(tuner)
-        if progress.run >= tuning.runs:
-            break
-        tuner = search(progress.run)
-    best = progress.best
-    cost, solved, _ = tuner.score(best)
-    gains = _with_gains(start_from, tuner.gains(best))
+        found = tuner.gains(tuner.best)
+        score = _score(robot, tuning, _with_gains(start_from, found), *_validation(tuning))
+        progress.end_leg(tuner, found, score)
+    gains = _with_gains(start_from, progress.gains)
+    training_seed = _TRAINING_SEED + tuning.seed
+    cost, solved, dimension = _score(robot, tuning, gains, tuning.goals, training_seed)
+    validation_goals, validation_seed = _validation(tuning)
     training = TrainingTable(
-        origin=f"{tuning.method}, {tuner.dimension} parameters",
+        origin=f"{tuning.method}, {dimension} parameters",
         law=LAW,
         seed=training_seed,
         goals=tuning.goals,
         evaluations=progress.evaluations,
         cost=cost,
         solved=solved,
+        validation_seed=validation_seed,
+        validation_goals=validation_goals,
+        validation_solved=progress.solved,
     )
     content = _content(gains, robot, tuning, training)
     if checkpoint is not None:
@@ -263,7 +340,24 @@ def tune(
     return content
 
 
+def _validation(tuning: Tuning) -> tuple[int, int]:
+    """Return number and seed of the goals that the choice between gain sets is made on."""
+    return _VALIDATION_GOALS, _VALIDATION_SEED + tuning.seed
+
+
+def _score(
+    robot: Robot, tuning: Tuning, gains: Gains, count: int, seed: int
+) -> tuple[float, int, int]:
+    """Return mean cost and goals reached on a stream, and how many numbers are free."""
+    leg = _legs(tuning)[-1]
+    leg = dataclasses.replace(leg, shape=tuning.shape, goals=count, goal_seed=seed)
+    judge = leg.tuner(robot, tuning, gains)
+    cost, solved, _ = judge.score(judge.best)
+    return cost, solved, judge.dimension
+
+
 def _with_gains(start_from: Gains, gains: dict[str, Any]) -> Gains:
+    """Return the start with a tuner's gains, or as it is where there are none yet."""
     if isinstance(start_from, IkPid):
         # The core counts in rad per m.
         unit = start_from.angle_unit_rad / start_from.length_unit_m
@@ -311,20 +405,24 @@ def _success(gains: Gains, robot: Robot, tuning: Tuning) -> SuccessTable:
 
 @dataclass
 class _Progress:
-    """What is known of the runs that have ended."""
+    """What is known of the searches that have ended."""
 
     identity: dict[str, Any]
-    run: int = 0
+    leg: int = 0
     evaluations: int = 0
     cost: float = float("inf")
-    best: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """Of the best, on the validation goals."""
+    solved: int = 0
+    """Validation goals that the best reaches."""
+    gains: dict[str, Any] = field(default_factory=dict)
+    """The best, as a tuner gives it."""
 
-    def end_run(self, tuner: Tuner) -> None:
-        self.run += 1
+    def end_leg(self, tuner: Tuner, gains: dict[str, Any], score: tuple[float, int, int]) -> None:
+        self.leg += 1
         self.evaluations += tuner.evaluations
-        if tuner.cost < self.cost or self.best.size == 0:
-            self.cost = tuner.cost
-            self.best = tuner.best
+        cost, solved, _ = score
+        if cost < self.cost or not self.gains:
+            self.cost, self.solved, self.gains = cost, solved, gains
 
 
 def _prepare(path: Path, progress: _Progress, resume: bool) -> FloatArray | None:
@@ -340,9 +438,10 @@ def _prepare(path: Path, progress: _Progress, resume: bool) -> FloatArray | None
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
             other = json.loads(str(stored["identity"]))
             state: FloatArray = stored["state"]
-            best: FloatArray = stored["best"]
-            run, evaluations = (int(x) for x in stored["counts"])
+            leg, evaluations, solved = (int(x) for x in stored["counts"])
             cost = float(stored["cost"])
+            found = json.loads(str(stored["gains"]))
+            gains = {name: np.array(value) for name, value in found.items()}
     except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile) as error:
         raise GainFileError(str(path), f"is no whole checkpoint: {error}") from None
     wanted = json.loads(json.dumps(progress.identity))
@@ -350,8 +449,8 @@ def _prepare(path: Path, progress: _Progress, resume: bool) -> FloatArray | None
         if other.get(key) != value:
             message = f"belongs to another run: {key} {other.get(key)!r}, not {value!r}"
             raise GainFileError(str(path), message)
-    progress.run, progress.evaluations = run, evaluations
-    progress.cost, progress.best = cost, best
+    progress.leg, progress.evaluations = leg, evaluations
+    progress.cost, progress.solved, progress.gains = cost, solved, gains
     return state
 
 
@@ -363,14 +462,15 @@ def _restore(path: Path, tuner: Tuner, state: FloatArray) -> None:
 
 
 def _save(path: Path, progress: _Progress, state: FloatArray) -> None:
+    gains = {name: np.asarray(value).tolist() for name, value in progress.gains.items()}
     temporary = path.with_name(f".{path.name}.{os.getpid()}.partial")
     with temporary.open("wb") as stream:
         np.savez(
             stream,
             identity=np.array(json.dumps(progress.identity)),
-            counts=np.array([progress.run, progress.evaluations]),
+            counts=np.array([progress.leg, progress.evaluations, progress.solved]),
             cost=np.array(progress.cost),
-            best=progress.best,
             state=state,
+            gains=np.array(json.dumps(gains)),
         )
     temporary.replace(path)

@@ -195,11 +195,23 @@ def tune(
     shape: Annotated[
         str, typer.Option(help="State space: input (B alone), diagonal (of A, and B) or full.")
     ] = "input",
-    method: Annotated[str, typer.Option(help="pso (particle swarm) or cma (CMA-ES).")] = "pso",
+    method: Annotated[
+        str | None,
+        typer.Option(help="pso (particle swarm, the default) or cma (CMA-ES, that of ik-pid)."),
+    ] = None,
     start: Annotated[str, typer.Option(help="Where attempts start: zero or middle.")] = "zero",
-    goals: Annotated[int, typer.Option(min=1, help="Training goals.")] = 3000,
-    evaluations: Annotated[int, typer.Option(min=1, help="Gain sets to judge in a run.")] = 4840,
-    runs: Annotated[int, typer.Option(min=1, help="Runs, of which the best is kept.")] = 3,
+    goals: Annotated[
+        int | None, typer.Option(min=1, help="Training goals: 3000, or 600 for ik-pid.")
+    ] = None,
+    evaluations: Annotated[
+        int | None,
+        typer.Option(min=1, help="Gain sets to judge in a search: 4840, or 400 for ik-pid."),
+    ] = None,
+    runs: Annotated[int, typer.Option(min=1, help="Searches, of which the best is kept.")] = 3,
+    refinement: Annotated[
+        int | None,
+        typer.Option(min=0, help="Gain sets to judge in the refinement, 0 for none: 2400, or 200."),
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the search and its goals.")] = 0,
     tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-3,
     threads: Annotated[
@@ -218,17 +230,21 @@ def tune(
         from ..tune import Tuning
         from .tune import tune_to_file
 
-        tuning = Tuning(
-            solver=solver,
+        given = {
+            "method": method,
+            "goals": goals,
+            "evaluations": evaluations,
+            "refinement": refinement,
+        }
+        tuning = Tuning.usual(
+            solver,
             shape=shape,
-            method=method,
             start=start,
-            goals=goals,
-            evaluations=evaluations,
             runs=runs,
             seed=seed,
             tolerance=tol,
             threads=threads,
+            **{name: value for name, value in given.items() if value is not None},
         )
         content = tune_to_file(robot, tuning, output, force=force, resume=resume)
         success = content.success

@@ -21,6 +21,8 @@ def reproduce(
         No such paper.
     ArgumentError
         The folder holds files and `force` is False.
+    AgrikError
+        Matplotlib is missing.
     """
     if name not in PAPERS:
         raise UnknownNameError("paper", name, PAPERS)
@@ -30,6 +32,10 @@ def reproduce(
         raise ArgumentError(
             "output", f"{directory}, which holds files", "an empty or new folder (or --force)"
         )
+    # Whether figures can be drawn shows before minutes of computing, not after.
+    from ..papers._output import figure
+
+    figure(1.0, 1.0)
     module = importlib.import_module(f"..papers.{name}", __package__)
     files: list[Path] = module.reproduce(directory, report=report)
     return files

@@ -22,9 +22,11 @@ def error_traces(
     drawing = figure(6.4, 3.0 * len(panels))
     for i, (title, curves) in enumerate(panels.items()):
         axes = drawing.add_subplot(len(panels), 1, i + 1)
-        for (style, width), (label, errors) in zip(_STYLES, curves.items(), strict=False):
+        styles = _STYLES if len(curves) > 1 else (("-", 1.6),)
+        for (style, width), (label, errors) in zip(styles, curves.items(), strict=False):
             axes.semilogy(1e3 * errors, style, linewidth=width, label=label)
         axes.axhline(1.0, color="0.7", linewidth=0.8)
+        axes.annotate("1 mm", (0.0, 1.0), va="bottom", fontsize=8, color="0.4")
         axes.set_title(title)
         axes.set_xlabel(steps)
         axes.set_ylabel("error, mm")

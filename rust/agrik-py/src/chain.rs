@@ -184,6 +184,12 @@ impl Chain {
         kinematics::jacobian(&self.0, q)
     }
 
+    /// Gain that feedback solvers without matrices start from, for positions.
+    fn frozen_gain<'py>(&self, py: Python<'py>) -> Array<'py> {
+        let gain = agrik::solve::frozen_gain(&self.0).map_err(|e| errors::from_core(py, e))?;
+        array(py, &[gain.rows(), gain.columns], gain.values)
+    }
+
     /// Solve a batch of targets; see `agrik_fast.Robot.ik`.
     #[pyo3(signature = (
         targets, task=None, solver=None, q0=None, seed=None, tool=None, threads=None,

@@ -22,6 +22,7 @@ const METHODS: [&str; 2] = ["pso", "cma"];
 pub struct Tuner {
     chain: Arc<chain::Chain>,
     family: Family,
+    /// The goals, those that cost the start most first.
     goals: Vec<[f64; 3]>,
     start: StartRule,
     max_iterations: u32,
@@ -32,10 +33,14 @@ pub struct Tuner {
 
 impl Tuner {
     fn problem(&self) -> Problem<'_> {
+        self.problem_of(&self.goals)
+    }
+
+    fn problem_of<'a>(&'a self, goals: &'a [[f64; 3]]) -> Problem<'a> {
         Problem {
             chain: &self.chain,
             family: &self.family,
-            goals: &self.goals,
+            goals,
             start: self.start,
             max_iterations: self.max_iterations,
             tolerance: self.tolerance,
@@ -52,7 +57,6 @@ impl Tuner {
 /// Joint values that move the tool point somewhere within the limits.
 fn active(chain: &chain::Chain) -> Vec<bool> {
     let dof = chain.dof();
-    let mut workspace = agrik::kinematics::Workspace::new(chain.compiled());
     let mut jacobian = vec![0.0; 6 * dof];
     let mut moves = vec![false; dof];
     for share in [0.21, 0.5, 0.77] {
@@ -61,7 +65,7 @@ fn active(chain: &chain::Chain) -> Vec<bool> {
             if value.is_finite() { value } else { 6.0 * share - 3.0 }
         };
         let q: Vec<f64> = chain.variables().iter().map(value).collect();
-        agrik::kinematics::tool_jacobian(chain, &q, &mut workspace, &mut jacobian);
+        agrik::kinematics::tool_jacobians(chain, &q, &mut jacobian);
         for (i, moves) in moves.iter_mut().enumerate() {
             *moves |= (0..3).any(|k| jacobian[k * dof + i].abs() > 1e-9);
         }
@@ -117,16 +121,21 @@ impl Tuner {
             "cma" => Search::Evolution(Evolution::new(&first, members, sigma, seed)),
             other => return Err(errors::unknown_name(py, "method", other, &METHODS)),
         };
-        Ok(Self {
+        let goals: &[[f64; 3]] = points.values()?.as_chunks().0;
+        let mut tuner = Self {
             chain,
             family,
-            goals: points.values()?.as_chunks().0.to_vec(),
+            goals: Vec::new(),
             start: solver::start_rule(start)?,
             max_iterations: whole("max_iterations", max_iterations, 1, u32::MAX.into())? as u32,
             tolerance: real("tolerance", tolerance)?,
             threads: threads::number(threads, "threads")?,
             search: Mutex::new(search),
-        })
+        };
+        let ordered = py
+            .detach(|| tuner.problem_of(goals).hardest_first(&first, tuner.threads, &mut || true));
+        tuner.goals = ordered.map_err(|error| errors::from_core(py, error))?;
+        Ok(tuner)
     }
 
     /// Go on by one generation.
@@ -134,7 +143,8 @@ impl Tuner {
         py.detach(|| {
             let problem = self.problem();
             let threads = self.threads;
-            self.search().advance(&mut |x| Ok(problem.score(x, threads, &mut || true)?.cost))
+            self.search()
+                .advance(&mut |x, bound| problem.cost_below(x, bound, threads, &mut || true))
         })
         .map_err(|error| errors::from_core(py, error))
     }

@@ -1,7 +1,7 @@
 //! One call of the solver for `make callgrind`, which counts its instructions.
 //!
-//! Arguments: robot, task (pose or position), number of targets. The instruction set is the
-//! environment's, `AGRIK_SIMD`. Prints what was solved; only [`measured`] is counted, so the
+//! Arguments: robot, task (pose, position, or evolution: poses by the published differential
+//! evolution), number of targets. The instruction set is the environment's, `AGRIK_SIMD`. Prints what was solved; only [`measured`] is counted, so the
 //! program's start and the making of targets are not.
 
 mod common;
@@ -11,21 +11,22 @@ use std::process::ExitCode;
 
 use agrik::batch;
 use agrik::lanes::Level;
-use agrik::solve::{Answers, Goals, Plan};
+use agrik::solve::population::{Evolution, Settings};
+use agrik::solve::{Answers, Goals, Solve};
 use agrik::task::Task;
 use common::arms::{arm, points, poses};
 use common::plan;
 
 /// The counted call; `benches/instructions.py` knows it by this name.
 #[inline(never)]
-fn measured(plan: &Plan<'_>) -> Option<Answers> {
-    batch::solve(black_box(plan), 1, &mut || true).ok()
+fn measured(call: &impl Solve) -> Option<Answers> {
+    batch::solve(black_box(call), 1, &mut || true).ok()
 }
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     let [robot, task, count] = &words[..] else {
-        eprintln!("usage: instructions ROBOT pose|position TARGETS");
+        eprintln!("usage: instructions ROBOT pose|position|evolution TARGETS");
         return ExitCode::from(2);
     };
     let Ok(count) = count.parse() else {
@@ -40,7 +41,13 @@ fn main() -> ExitCode {
     } else {
         plan(&chain, Task::Pose, Goals::Poses(&poses))
     };
-    let Some(answers) = measured(&plan) else { return ExitCode::FAILURE };
+    let answers = match task.as_str() {
+        "evolution" => {
+            Evolution::new(plan, Settings::PUBLISHED).ok().and_then(|search| measured(&search))
+        }
+        _ => measured(&plan),
+    };
+    let Some(answers) = answers else { return ExitCode::FAILURE };
     let solved = (0..answers.len()).filter(|&row| answers.success(row)).count();
     println!("level {} solved {solved} of {count}", Level::in_use().name());
     ExitCode::SUCCESS

@@ -6,7 +6,7 @@ mod common;
 use std::hint::black_box;
 
 use agrik::chain::Chain;
-use agrik::kinematics::{Workspace, columns, forward, tool_jacobian, tool_pose};
+use agrik::kinematics::{Workspace, columns, forward, tool_jacobians, tool_pose};
 use agrik::lanes::{Kernel, Real, dispatch};
 use common::arms::{ARMS, arm, postures};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -74,7 +74,7 @@ fn kinematics(criterion: &mut Criterion) {
             let mut out = vec![0.0; 6 * dof];
             bench.iter(|| {
                 if let Some(q) = next.next() {
-                    tool_jacobian(&chain, black_box(q), &mut workspace, &mut out);
+                    tool_jacobians(&chain, black_box(q), &mut out);
                 }
                 out[0]
             });

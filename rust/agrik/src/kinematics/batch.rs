@@ -12,7 +12,8 @@ pub fn tool_poses(chain: &Chain, q: &[f64], out: &mut [f64]) {
     run(q.len() / chain.dof(), Poses { chain, q, out });
 }
 
-/// Jacobians of all rows of `q`, `6 * dof` numbers each, row by row.
+/// Geometric Jacobians of all rows of `q`, `6 * dof` numbers each, row by row: linear
+/// velocity of the tool point, then angular velocity, both in the world frame.
 pub fn tool_jacobians(chain: &Chain, q: &[f64], out: &mut [f64]) {
     run(q.len() / chain.dof(), Jacobians { chain, q, out });
 }

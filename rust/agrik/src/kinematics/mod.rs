@@ -24,19 +24,3 @@ pub fn tool_pose(chain: &Chain, q: &[f64], workspace: &mut Workspace<f64>) -> Ma
     pose.fixed_view_mut::<3, 1>(0, 3).copy_from(&Vector3::from(p));
     pose
 }
-
-/// Geometric Jacobian at `q`, written as 6 rows of `dof` numbers: linear velocity of the
-/// tool point, then angular velocity, both in the world frame.
-pub fn tool_jacobian(chain: &Chain, q: &[f64], workspace: &mut Workspace<f64>, out: &mut [f64]) {
-    let compiled = chain.compiled();
-    forward(compiled, q, workspace);
-    let p = workspace.tool_point(compiled.tail.translation);
-    let dof = compiled.dof;
-    out[..6 * dof].fill(0.0);
-    columns(compiled, workspace, p, |variable, linear, angular| {
-        for k in 0..3 {
-            out[k * dof + variable] += linear[k];
-            out[(k + 3) * dof + variable] += angular[k];
-        }
-    });
-}

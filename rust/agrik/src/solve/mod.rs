@@ -17,4 +17,5 @@ pub use plan::{Answers, AnswersMut, Goals, Plan, Starts, Status, Tolerance};
 pub use rows::Solve;
 pub use step::{
     GainUnits, Matrix, Pace, Pid, PidOrder, Settings, StartRule, StateSpace, StaticGain, Step,
+    frozen_gain,
 };

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use nalgebra::DMatrix;
+
 use crate::error::{Error, Result};
 use crate::solve::{Matrix, Step};
 
@@ -92,6 +94,19 @@ impl Family {
             }
             _ => Vec::new(),
         }
+    }
+
+    /// Whether the states of a vector's state space die out once the error is gone: whether
+    /// the spectral radius of A is below one. States that no joint listens to may grow
+    /// without any goal being missed for it.
+    pub fn is_stable(&self, x: &[f64]) -> bool {
+        let Step::StateSpace(Some(gains)) = self.step(x) else { return true };
+        let a = &gains.a;
+        if !a.values.iter().all(|value| value.is_finite()) {
+            return false;
+        }
+        let a = DMatrix::from_row_slice(a.rows(), a.columns, &a.values);
+        a.complex_eigenvalues().iter().all(|value| value.norm() < 1.0)
     }
 
     /// The feedback law of a vector.

@@ -28,7 +28,11 @@ pub enum Search {
 }
 
 /// What becomes of a vector: its cost, or an error that ends the search.
-pub type Judge<'a> = dyn FnMut(&[f64]) -> Result<f64> + 'a;
+///
+/// The second argument is the cost below which the vector has to be to matter. One that is
+/// certain to cost as much or more may be given any cost from there on: the search takes
+/// the same way, and judging the vector to its end is saved.
+pub type Judge<'a> = dyn FnMut(&[f64], f64) -> Result<f64> + 'a;
 
 impl Search {
     /// One generation more.

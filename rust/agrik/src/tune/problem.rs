@@ -21,7 +21,8 @@ pub struct Cost {
     pub per_metre: f64,
     /// Errors beyond count as this, m.
     pub farthest: f64,
-    /// On top for numbers that grew beyond all bounds.
+    /// On top for numbers that grew beyond all bounds; on top of any cost where the states
+    /// of a state space do not die out.
     pub broken: f64,
 }
 
@@ -61,17 +62,90 @@ pub struct Problem<'a> {
     pub cost: Cost,
 }
 
+/// Goals judged first, as a share: an answer whose cost on them is too high already is
+/// judged no further.
+const FIRST: usize = 8;
+
+/// What a run over some goals adds up to.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    cost: f64,
+    solved: usize,
+    steps: f64,
+}
+
 impl Problem<'_> {
-    /// Judges a vector; `poll` is asked whether to go on.
+    /// Judges a vector on all goals.
     pub fn score(
         &self,
         x: &[f64],
         threads: usize,
         poll: &mut dyn FnMut() -> bool,
     ) -> Result<Score> {
+        self.check()?;
+        let mut sums = Sums::default();
+        for cost in self.costs(x, self.goals, &mut sums, threads, poll)? {
+            sums.cost += cost;
+        }
+        let steps = if sums.solved > 0 { sums.steps / sums.solved as f64 } else { f64::INFINITY };
+        Ok(Score { cost: sums.cost / self.goals.len() as f64, solved: sums.solved, steps })
+    }
+
+    /// The mean cost of a vector, or some number from `bound` on as soon as it is certain
+    /// that the cost is not below `bound`.
+    pub fn cost_below(
+        &self,
+        x: &[f64],
+        bound: f64,
+        threads: usize,
+        poll: &mut dyn FnMut() -> bool,
+    ) -> Result<f64> {
+        self.check()?;
+        let count = self.goals.len() as f64;
+        let (first, rest) = self.goals.split_at(self.goals.len() / FIRST);
+        let mut sums = Sums::default();
+        for goals in [first, rest].into_iter().filter(|goals| !goals.is_empty()) {
+            for cost in self.costs(x, goals, &mut sums, threads, poll)? {
+                sums.cost += cost;
+            }
+            if sums.cost / count >= bound {
+                break;
+            }
+        }
+        Ok(sums.cost / count)
+    }
+
+    /// The goals, those that cost a vector most before the others: where most of the cost
+    /// is, a poor vector shows soon.
+    pub fn hardest_first(
+        &self,
+        x: &[f64],
+        threads: usize,
+        poll: &mut dyn FnMut() -> bool,
+    ) -> Result<Vec<[f64; 3]>> {
+        self.check()?;
+        let costs = self.costs(x, self.goals, &mut Sums::default(), threads, poll)?;
+        let mut order: Vec<usize> = (0..self.goals.len()).collect();
+        order.sort_by(|a, b| costs[*b].total_cmp(&costs[*a]));
+        Ok(order.into_iter().map(|i| self.goals[i]).collect())
+    }
+
+    fn check(&self) -> Result<()> {
         if self.goals.is_empty() {
             return Err(Error::argument("goals", "at least one training goal", 0));
         }
+        Ok(())
+    }
+
+    /// What is paid for each of some goals; counts those reached, and their steps.
+    fn costs(
+        &self,
+        x: &[f64],
+        goals: &[[f64; 3]],
+        sums: &mut Sums,
+        threads: usize,
+        poll: &mut dyn FnMut() -> bool,
+    ) -> Result<Vec<f64>> {
         let settings = Settings {
             step: self.family.step(x),
             max_iterations: self.max_iterations,
@@ -82,7 +156,7 @@ impl Problem<'_> {
             pace: Pace::Full,
         };
         let tolerance = Tolerance { position: self.tolerance, ..Tolerance::default() };
-        let goals = Goals::Positions { points: self.goals, direction: None };
+        let goals = Goals::Positions { points: goals, direction: None };
         let plan = Plan::new(
             self.chain,
             Task::Position,
@@ -96,24 +170,20 @@ impl Problem<'_> {
         )?;
         let answers = batch::solve(&plan, threads, poll)?;
         let pay = &self.cost;
-        let (mut cost, mut solved, mut steps) = (0.0, 0, 0.0);
-        for (row, status) in answers.status.iter().enumerate() {
+        let unstable = if self.family.is_stable(x) { 0.0 } else { pay.broken };
+        let cost = |(row, status): (usize, &u8)| {
             if *status == Status::Converged as u8 {
                 let count = f64::from(answers.iterations[row]);
-                cost += pay.effort * count / STEPS;
-                solved += 1;
-                steps += count;
-                continue;
+                sums.solved += 1;
+                sums.steps += count;
+                return pay.effort * count / STEPS + unstable;
             }
             let error = answers.position_error[row];
             let left = if error < pay.farthest { error } else { pay.farthest };
             let effort = pay.effort * f64::from(self.max_iterations) / STEPS;
-            cost += effort + pay.missed + pay.per_metre * left;
-            if *status == Status::NonFinite as u8 {
-                cost += pay.broken;
-            }
-        }
-        let mean = if solved > 0 { steps / solved as f64 } else { f64::INFINITY };
-        Ok(Score { cost: cost / self.goals.len() as f64, solved, steps: mean })
+            let broken = if *status == Status::NonFinite as u8 { pay.broken } else { 0.0 };
+            effort + pay.missed + pay.per_metre * left + broken + unstable
+        };
+        Ok(answers.status.iter().enumerate().map(cost).collect())
     }
 }

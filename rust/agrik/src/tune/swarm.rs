@@ -80,7 +80,7 @@ impl Swarm {
                     next.x[k] = (x + next.v[k]).clamp(-FARTHEST, FARTHEST);
                 }
             }
-            let cost = judge(&next.x[own.clone()])?;
+            let cost = judge(&next.x[own.clone()], next.best_cost[member])?;
             next.evaluations += 1;
             if cost < next.best_cost[member] {
                 next.best_cost[member] = cost;
@@ -133,22 +133,38 @@ mod tests {
     fn the_bottom_of_a_valley_is_found() {
         let mut swarm = Swarm::new(&[0.0; 6], 20, 0.3, 1);
         for _ in 0..150 {
-            swarm.advance(&mut |x| Ok(valley(x))).expect("no error");
+            swarm.advance(&mut |x, _| Ok(valley(x))).expect("no error");
         }
         let (_, cost) = swarm.best().expect("a best");
         assert!(cost < 1e-8, "{cost}");
     }
 
     #[test]
+    fn what_is_not_judged_to_its_end_changes_nothing() {
+        let mut swarms = [Swarm::new(&[1.0; 4], 8, 0.3, 7), Swarm::new(&[1.0; 4], 8, 0.3, 7)];
+        let mut cut = 0;
+        for _ in 0..30 {
+            swarms[0].advance(&mut |x, _| Ok(valley(x))).expect("no error");
+            let mut hasty = |x: &[f64], bound: f64| {
+                cut += u32::from(valley(x) > bound);
+                Ok(if valley(x) < bound { valley(x) } else { bound })
+            };
+            swarms[1].advance(&mut hasty).expect("no error");
+        }
+        assert_eq!(swarms[0].state(), swarms[1].state());
+        assert!(cut > 50, "{cut}");
+    }
+
+    #[test]
     fn a_stored_swarm_goes_on_as_if_never_stopped() {
         let mut whole = Swarm::new(&[1.0; 4], 8, 0.3, 7);
         for _ in 0..5 {
-            whole.advance(&mut |x| Ok(valley(x))).expect("no error");
+            whole.advance(&mut |x, _| Ok(valley(x))).expect("no error");
         }
         let mut resumed = Swarm::new(&[1.0; 4], 8, 0.3, 7);
         resumed.restore(&whole.state());
         for swarm in [&mut whole, &mut resumed] {
-            swarm.advance(&mut |x| Ok(valley(x))).expect("no error");
+            swarm.advance(&mut |x, _| Ok(valley(x))).expect("no error");
         }
         assert_eq!(whole.state(), resumed.state());
     }

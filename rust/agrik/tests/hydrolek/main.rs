@@ -7,6 +7,7 @@ mod common;
 mod counts;
 mod singular;
 mod traces;
+mod tuning;
 
 use agrik::batch;
 use agrik::chain::Chain;

@@ -24,6 +24,10 @@ impl Boundary {
     pub fn apply<R: Real>(self, x: R, gene: &Gene, stream: &mut Stream) -> R {
         let (lower, upper) = (R::splat(gene.lower), R::splat(gene.upper));
         let out = R::or(x.lt(lower), upper.lt(x));
+        // A choice costs less than asking whether it is needed and guessing wrong.
+        if self == Self::Median && !gene.turns {
+            return R::select(out, R::splat(gene.middle()), x);
+        }
         if R::bits(out) == 0 {
             return x;
         }

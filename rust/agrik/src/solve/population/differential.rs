@@ -1,9 +1,10 @@
 //! Differential evolution (Storn and Price 1997): differences of individuals as steps.
 
 use super::boundary::Boundary;
-use super::evaluator::{Evaluator, Fitness, Gene, Population};
-use super::progress::{End, Progress};
+use super::evaluator::{Fitness, Gene, Population};
+use super::progress::End;
 use super::random::Stream;
+use super::run::Run;
 use crate::error::{Error, Result};
 use crate::lanes::Real;
 
@@ -93,34 +94,24 @@ impl Differential {
     }
 
     #[inline(always)]
-    pub(super) fn run<R: Real, F: Fitness<R>>(
-        &self,
-        genes: &[Gene],
-        evaluator: &mut Evaluator<'_, R, F>,
-        population: &mut Population<R>,
-        stream: &mut Stream,
-        progress: &mut Progress,
-        keep_going: &mut dyn FnMut() -> bool,
-    ) -> End {
-        let dof = population.dof;
-        let mut trial = Population::<R>::new(population.size, dof);
+    pub(super) fn run<R: Real, F: Fitness<R>>(&self, mut run: Run<'_, '_, R, F>) -> End {
+        let dof = run.population.dof;
+        let mut trial = Population::<R>::new(run.population.size, dof);
         let rate = R::splat(0.5 * (self.crossover.0 + self.crossover.1));
         let mut scratch = Scratch {
             best: vec![0.0; dof],
             difference: vec![R::zero(); dof],
             base: vec![R::zero(); dof],
             first: numbers(),
-            own: vec![(R::splat(self.weight), rate); population.blocks()],
-            tried: vec![(R::splat(self.weight), rate); population.blocks()],
+            own: vec![(R::splat(self.weight), rate); trial.blocks()],
+            tried: vec![(R::splat(self.weight), rate); trial.blocks()],
         };
         loop {
-            let best = population.best();
-            if let Some(end) = progress.note(population.cost_of(best)) {
-                return end;
-            }
-            if !keep_going() {
-                return End::Interrupted;
-            }
+            let best = match run.best() {
+                Ok(best) => best,
+                Err(end) => return end,
+            };
+            let Run { genes, evaluator, population, stream, progress, .. } = &mut run;
             population.read(best, &mut scratch.best);
             let shared = R::splat(self.draw_rate(stream));
             for block in 0..population.blocks() {
@@ -164,7 +155,7 @@ impl Differential {
     #[inline(always)]
     fn draw_rates<R: Real>(&self, stream: &mut Stream) -> R {
         let (low, high) = self.crossover;
-        let u: R = stream.uniforms();
+        let u: R = stream.choices();
         u.mul_add(R::splat(high - low), R::splat(low))
     }
 
@@ -227,22 +218,20 @@ impl Differential {
         stream: &mut Stream,
         made: &mut [R],
     ) {
-        // One gene of each individual comes from the mutant in any case.
-        let u: R = stream.uniforms();
-        let dof = parents.len() as f64;
-        let forced = u.mul_add(R::splat(dof), R::splat(-0.5)).round().min(R::splat(dof - 1.0));
-        for (g, gene) in genes.iter().enumerate() {
-            let (x, d) = (parents[g], scratch.difference[g]);
+        // One gene of each individual comes from the mutant in any case: how many genes are
+        // left until it, which is 0 there and at least 1 in magnitude elsewhere.
+        let mut until_forced: R = below(parents.len(), stream);
+        let genes = genes.iter().zip(parents).zip(&scratch.difference).zip(made).enumerate();
+        for (g, (((gene, &x), &d), made)) in genes {
             let mutant = match self.mutation {
                 Mutation::Best1 => weight.mul_add(d, R::splat(scratch.best[g])),
                 Mutation::Rand1 => weight.mul_add(d, scratch.base[g]),
                 Mutation::CurrentToBest1 => weight.mul_add(R::splat(scratch.best[g]) - x + d, x),
             };
-            let u: R = stream.uniforms();
-            let is_forced = (forced - R::splat(g as f64)).abs().lt(R::splat(0.5));
-            let taken = R::or(u.lt(rate), is_forced);
-            let x = R::select(taken, mutant, x);
-            made[g] = self.boundary.apply(x, gene, stream);
+            let u: R = stream.choices();
+            let taken = u.min(until_forced.abs()).le(rate);
+            until_forced -= R::splat(1.0);
+            *made = self.boundary.apply(R::select(taken, mutant, x), gene, stream);
         }
     }
 
@@ -307,9 +296,10 @@ fn floor<R: Real>(x: R) -> R {
 /// A random whole number below `n` in each lane.
 #[inline(always)]
 fn below<R: Real>(n: usize, stream: &mut Stream) -> R {
-    let u: R = stream.uniforms();
-    // The product may round up to `n` itself.
-    floor(u * R::splat(n as f64)).min(R::splat(n as f64 - 1.0))
+    let u: R = stream.choices();
+    // Half a number lower, the nearest whole number is the largest that is not above. Where
+    // the product is whole, which is rare, it may be off by one; it stays in the range.
+    u.mul_add(R::splat(n as f64), R::splat(-0.5)).round().abs().min(R::splat(n as f64 - 1.0))
 }
 
 /// Numbers that leave `taken` out.

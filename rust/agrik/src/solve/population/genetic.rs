@@ -2,9 +2,10 @@
 //! Agrawal 1995), Gaussian mutation, elites.
 
 use super::boundary::Boundary;
-use super::evaluator::{Evaluator, Fitness, Gene, Population};
-use super::progress::{End, Progress};
+use super::evaluator::{Fitness, Gene, Population};
+use super::progress::End;
 use super::random::Stream;
+use super::run::Run;
 use crate::error::{Error, Result};
 use crate::lanes::Real;
 
@@ -53,28 +54,17 @@ impl Genetic {
     }
 
     #[inline(always)]
-    pub(super) fn run<R: Real, F: Fitness<R>>(
-        &self,
-        genes: &[Gene],
-        evaluator: &mut Evaluator<'_, R, F>,
-        population: &mut Population<R>,
-        stream: &mut Stream,
-        progress: &mut Progress,
-        keep_going: &mut dyn FnMut() -> bool,
-    ) -> End {
-        let mut children = Population::<R>::new(population.size, population.dof);
+    pub(super) fn run<R: Real, F: Fitness<R>>(&self, mut run: Run<'_, '_, R, F>) -> End {
+        let mut children = Population::<R>::new(run.population.size, run.population.dof);
         let mut order = Vec::new();
         loop {
-            if let Some(end) = progress.note(population.cost_of(population.best())) {
+            if let Err(end) = run.best() {
                 return end;
             }
-            if !keep_going() {
-                return End::Interrupted;
-            }
-            self.breed(genes, population, &mut children, &mut order, stream);
-            evaluator.evaluate(&mut children);
-            std::mem::swap(population, &mut children);
-            progress.generations += 1;
+            self.breed(run.genes, run.population, &mut children, &mut order, run.stream);
+            run.evaluator.evaluate(&mut children);
+            std::mem::swap(run.population, &mut children);
+            run.progress.generations += 1;
         }
     }
 

@@ -2,9 +2,10 @@
 //! brought success, an archive of replaced individuals, a population that shrinks.
 
 use super::differential::Differential;
-use super::evaluator::{Evaluator, Fitness, Gene, Population};
-use super::progress::{End, Progress};
+use super::evaluator::{Fitness, Population};
+use super::progress::End;
 use super::random::Stream;
+use super::run::Run;
 use crate::lanes::Real;
 
 /// Entries of the memory of successful weights and rates.
@@ -59,19 +60,14 @@ impl Memory {
     }
 }
 
-#[allow(clippy::too_many_arguments)]
+/// A run of so many evaluations: a population that shrinks has more generations.
 #[inline(always)]
 pub(super) fn run<R: Real, F: Fitness<R>>(
     settings: &Differential,
     budget: u64,
-    genes: &[Gene],
-    evaluator: &mut Evaluator<'_, R, F>,
-    population: &mut Population<R>,
-    stream: &mut Stream,
-    progress: &mut Progress,
-    keep_going: &mut dyn FnMut() -> bool,
+    mut run: Run<'_, '_, R, F>,
 ) -> End {
-    let (first, dof) = (population.size, population.dof);
+    let (first, dof) = (run.population.size, run.population.dof);
     let rate = 0.5 * (settings.crossover.0 + settings.crossover.1).min(2.0);
     let mut memory =
         Memory { entries: [(settings.weight.min(1.0), rate.min(1.0)); MEMORY], next: 0 };
@@ -84,18 +80,13 @@ pub(super) fn run<R: Real, F: Fitness<R>>(
         (vec![0.0; dof], vec![0.0; dof], vec![0.0; dof], vec![0.0; dof]);
     let mut evaluations = first as u64;
     loop {
-        let best = population.best();
-        // The budget counts evaluations: a population that shrinks has more generations.
-        match progress.note(population.cost_of(best)) {
-            Some(End::Generations) | None => {}
-            Some(end) => return end,
+        if let Err(end) = run.best() {
+            return end;
         }
         if evaluations >= budget {
             return End::Generations;
         }
-        if !keep_going() {
-            return End::Interrupted;
-        }
+        let Run { genes, evaluator, population, stream, progress, .. } = &mut run;
         let size = population.size;
         population.ranked(&mut order);
         let top = ((TOP * size as f64).round() as usize).max(2);

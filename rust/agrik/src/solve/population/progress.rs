@@ -37,7 +37,8 @@ impl Progress {
     pub fn new(settings: &Settings) -> Self {
         Self {
             generations: 0,
-            last: settings.generations,
+            // A run with a budget of evaluations ends by that.
+            last: if settings.budget().is_some() { u32::MAX } else { settings.generations },
             target: settings.target_cost,
             patience: settings.stagnation,
             mark: f64::INFINITY,

@@ -7,14 +7,42 @@ use crate::lanes::Real;
 const WIDE: usize = 8;
 /// Numbers made in one go; a multiple of every vector's width.
 const KEPT: usize = 8 * WIDE;
+/// Bits of the fraction of a double, and of the number 1.
+const FRACTION: u64 = (1 << 52) - 1;
+const ONE: u64 = 1.0f64.to_bits();
 
 /// A stream of uniform numbers. What it yields depends on its key and on how it is asked,
 /// never on the instruction set.
 #[derive(Debug, Clone)]
 pub struct Stream {
     state: [[u64; WIDE]; 4],
-    kept: [f64; KEPT],
+    fine: Kept,
+    coarse: Kept,
+}
+
+/// Numbers made but not yet given out.
+#[derive(Debug, Clone)]
+struct Kept {
+    numbers: [f64; KEPT],
     used: usize,
+}
+
+impl Kept {
+    const EMPTY: Self = Self { numbers: [0.0; KEPT], used: KEPT };
+
+    /// Whether so many are left.
+    #[inline(always)]
+    fn has(&self, count: usize) -> bool {
+        self.used + count <= KEPT
+    }
+
+    /// One number per lane.
+    #[inline(always)]
+    fn take<R: Real>(&mut self) -> R {
+        let from = self.used;
+        self.used = from + R::WIDTH;
+        R::load(&self.numbers[from..from + R::WIDTH])
+    }
 }
 
 impl Stream {
@@ -30,29 +58,31 @@ impl Stream {
             z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
             *word = z ^ (z >> 31);
         }
-        Self { state, kept: [0.0; KEPT], used: KEPT }
+        Self { state, fine: Kept::EMPTY, coarse: Kept::EMPTY }
     }
 
     /// A number in [0, 1).
     #[inline(always)]
     pub fn uniform(&mut self) -> f64 {
-        if self.used == KEPT {
-            self.refill();
-        }
-        let x = self.kept[self.used];
-        self.used += 1;
-        x
+        self.uniforms()
     }
 
     /// One number in [0, 1) per lane.
     #[inline(always)]
     pub fn uniforms<R: Real>(&mut self) -> R {
-        if self.used + R::WIDTH > KEPT {
+        if !self.fine.has(R::WIDTH) {
             self.refill();
         }
-        let from = &self.kept[self.used..self.used + R::WIDTH];
-        self.used += R::WIDTH;
-        R::load(from)
+        self.fine.take()
+    }
+
+    /// One multiple of 2^-32 in [0, 1) per lane: enough for a choice, at half the price.
+    #[inline(always)]
+    pub fn choices<R: Real>(&mut self) -> R {
+        if !self.coarse.has(R::WIDTH) {
+            self.refill_coarse();
+        }
+        self.coarse.take()
     }
 
     /// A whole number below `n`, which is small beside 2^52.
@@ -80,23 +110,49 @@ impl Stream {
 
     #[inline(always)]
     fn refill(&mut self) {
-        let [mut a, mut b, mut c, mut d] = self.state;
-        for row in self.kept.chunks_exact_mut(WIDE) {
-            for i in 0..WIDE {
-                let word = a[i].wrapping_add(d[i]).rotate_left(23).wrapping_add(a[i]);
-                // 52 bits as the fraction of a number in [1, 2).
-                row[i] = f64::from_bits(word >> 12 | 1.0f64.to_bits()) - 1.0;
-                let t = b[i] << 17;
-                c[i] ^= a[i];
-                d[i] ^= b[i];
-                b[i] ^= c[i];
-                a[i] ^= d[i];
-                c[i] ^= t;
-                d[i] = d[i].rotate_left(45);
-            }
+        for row in self.fine.numbers.as_chunks_mut::<WIDE>().0 {
+            words(&mut self.state, row.each_mut(), |word, x| {
+                *x = f64::from_bits(word >> 12 | ONE) - 1.0;
+            });
         }
-        self.state = [a, b, c, d];
-        self.used = 0;
+        self.fine.used = 0;
+    }
+
+    /// Either half of a word makes a number.
+    #[inline(always)]
+    fn refill_coarse(&mut self) {
+        let (first, second) = self.coarse.numbers.split_at_mut(KEPT / 2);
+        let rows = first.as_chunks_mut::<WIDE>().0.iter_mut();
+        for (first, second) in rows.zip(second.as_chunks_mut::<WIDE>().0) {
+            words(&mut self.state, first.iter_mut().zip(second), |word, (x, y)| {
+                *x = f64::from_bits(word >> 12 & !0xf_ffff | ONE) - 1.0;
+                *y = f64::from_bits(word << 20 & FRACTION | ONE) - 1.0;
+            });
+        }
+        self.coarse.used = 0;
+    }
+}
+
+/// The next word of every generator, each handed to `put` with its place in `to`.
+///
+/// The loop is over references into the state, not over copies of it: so the compiler makes
+/// vector instructions of it, which are a tenth as many.
+#[inline(always)]
+fn words<T>(
+    state: &mut [[u64; WIDE]; 4],
+    to: impl IntoIterator<Item = T>,
+    mut put: impl FnMut(u64, T),
+) {
+    let [a, b, c, d] = state;
+    for ((((a, b), c), d), to) in a.iter_mut().zip(b).zip(c).zip(d).zip(to) {
+        put(a.wrapping_add(*d).rotate_left(23).wrapping_add(*a), to);
+        let t = *b << 17;
+        *c ^= *a;
+        *d ^= *b;
+        *b ^= *c;
+        *a ^= *d;
+        *c ^= t;
+        *d = d.rotate_left(45);
     }
 }
 
@@ -104,18 +160,38 @@ impl Stream {
 mod tests {
     use super::*;
 
-    #[test]
-    fn numbers_are_uniform() {
-        let mut stream = Stream::new(3);
-        let n = 100_000;
+    /// Squared deviation of the counts in 20 bins from even ones.
+    fn unevenness(n: u32, mut draw: impl FnMut() -> f64) -> f64 {
         let mut bins = [0u32; 20];
         for _ in 0..n {
-            bins[(stream.uniform() * 20.0) as usize] += 1;
+            bins[(draw() * 20.0) as usize] += 1;
         }
         let expected = f64::from(n) / 20.0;
-        let chi2: f64 = bins.iter().map(|b| (f64::from(*b) - expected).powi(2) / expected).sum();
+        bins.iter().map(|b| (f64::from(*b) - expected).powi(2) / expected).sum()
+    }
+
+    #[test]
+    fn numbers_are_uniform() {
         // 19 degrees of freedom: above 43.8 once in a thousand streams.
+        let mut stream = Stream::new(3);
+        let chi2 = unevenness(100_000, || stream.uniform());
         assert!(chi2 < 43.8, "chi2 {chi2}");
+        let mut stream = Stream::new(3);
+        let chi2 = unevenness(100_000, || stream.choices());
+        assert!(chi2 < 43.8, "chi2 {chi2}");
+        // Their fine digits are, too.
+        let chi2 = unevenness(100_000, || (stream.choices::<f64>() * f64::from(1 << 20)).fract());
+        assert!(chi2 < 43.8, "chi2 {chi2}");
+    }
+
+    #[test]
+    fn choices_have_32_bits() {
+        let mut stream = Stream::new(5);
+        let scaled: Vec<f64> =
+            (0..10_000).map(|_| stream.choices::<f64>() * 2f64.powi(32)).collect();
+        assert!(scaled.iter().all(|x| x.fract() == 0.0 && (0.0..2f64.powi(32)).contains(x)));
+        let odd = scaled.iter().filter(|x| **x % 2.0 == 1.0).count();
+        assert!((4_800..5_200).contains(&odd), "{odd}");
     }
 
     #[test]
@@ -124,10 +200,11 @@ mod tests {
         for key in 0..50 {
             let mut stream = Stream::new(key);
             all.extend((0..64).map(|_| stream.uniform().to_bits()));
+            all.extend((0..64).map(|_| stream.choices::<f64>().to_bits()));
         }
         all.sort_unstable();
         all.dedup();
-        assert_eq!(all.len(), 50 * 64);
+        assert_eq!(all.len(), 50 * 128);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::fitness::Orientation;
 use super::genetic::Genetic;
 use super::progress::{End, Progress};
 use super::random::Stream;
+use super::run::Run;
 use super::{Boundary, Mutation, Redraw, lshade};
 use crate::error::{Error, Result};
 use crate::lanes::Real;
@@ -180,17 +181,21 @@ impl Settings {
             population.write(0, q);
         }
         evaluator.evaluate(population);
+        let run = Run { genes, evaluator, population, stream, progress, keep_going };
+        match (&self.algorithm, self.budget()) {
+            (Algorithm::Differential(it), Some(budget)) => lshade::run(it, budget, run),
+            (Algorithm::Differential(it), None) => it.run(run),
+            (Algorithm::Genetic(it), _) => it.run(run),
+        }
+    }
+
+    /// Evaluations of a run that counts them, not generations: L-SHADE's.
+    pub(super) fn budget(&self) -> Option<u64> {
         match &self.algorithm {
             Algorithm::Differential(it) if it.adaptation == Adaptation::LShade => {
-                let budget = u64::from(self.population) * (u64::from(self.generations) + 1);
-                lshade::run(it, budget, genes, evaluator, population, stream, progress, keep_going)
+                Some(u64::from(self.population) * (u64::from(self.generations) + 1))
             }
-            Algorithm::Differential(it) => {
-                it.run(genes, evaluator, population, stream, progress, keep_going)
-            }
-            Algorithm::Genetic(it) => {
-                it.run(genes, evaluator, population, stream, progress, keep_going)
-            }
+            _ => None,
         }
     }
 }

@@ -191,7 +191,8 @@ impl Feedback {
             Step::CyclicCoordinateDescent => Self::Descent,
             Step::IkPid(pid) => Self::Pid(*pid),
             Step::StateSpace(None) => {
-                let gain = around.frozen()?;
+                // What comes a step late swings already at half the gain.
+                let gain = around.frozen()? * 0.5;
                 let n = gain.nrows();
                 Self::StateSpace {
                     a: Sparse::of(&DMatrix::zeros(n, n)),
@@ -291,13 +292,38 @@ impl Around<'_> {
         c
     }
 
-    /// A share of the pseudo-inverse in the middle of the limits.
+    /// A share of the pseudo-inverse in the middle of the limits, or where that is singular
+    /// in the least singular of some postures about it: a gain that leaves a direction out
+    /// reaches nothing.
     fn frozen(&self) -> Result<DMatrix<f64>> {
         let rows = self.rows()?;
-        let q = middle(self.chain);
+        let judged = |q: Vec<f64>| {
+            let jacobian = self.jacobian(&q, rows);
+            let values = jacobian.singular_values();
+            let floor = FROZEN_CUTOFF * values.max();
+            let kept = values.iter().filter(|value| **value > floor);
+            let least = kept.clone().fold(f64::INFINITY, |least, value| least.min(*value));
+            (kept.count(), least / values.max(), jacobian)
+        };
+        let in_middle = judged(middle(self.chain));
+        let singular = in_middle.0 < rows.min(self.chain.dof());
+        let others = about_middle(self.chain).take_while(|_| singular).map(judged);
+        let better = others.filter(|other| other.0 > in_middle.0);
+        let best = better.max_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let (_, _, jacobian) = best.unwrap_or(in_middle);
+        let svd = jacobian.svd(true, true);
+        let floor = FROZEN_CUTOFF * svd.singular_values.max();
+        let inverse = svd.pseudo_inverse(floor).map_err(|why| {
+            Error::argument("solver", "a chain with a Jacobian that can be inverted", why)
+        })?;
+        Ok(inverse * FROZEN_SHARE)
+    }
+
+    /// The Jacobian of the task, in the loop's units.
+    fn jacobian(&self, q: &[f64], rows: usize) -> DMatrix<f64> {
         let compiled = self.chain.compiled();
         let mut workspace = Workspace::<f64>::new(compiled);
-        forward(compiled, &q, &mut workspace);
+        forward(compiled, q, &mut workspace);
         let mut jacobian = DMatrix::<f64>::zeros(rows, q.len());
         let point = workspace.tool_point(self.tail.translation);
         columns(compiled, &workspace, point, |variable, linear, angular| {
@@ -313,13 +339,36 @@ impl Around<'_> {
                 jacobian.row_mut(k).scale_mut(*weight);
             }
         }
-        let svd = jacobian.svd(true, true);
-        let floor = FROZEN_CUTOFF * svd.singular_values.max();
-        let inverse = svd.pseudo_inverse(floor).map_err(|why| {
-            Error::argument("solver", "a chain with a Jacobian that can be inverted", why)
-        })?;
-        Ok(inverse * FROZEN_SHARE)
+        jacobian
     }
+}
+
+/// The gain that feedback laws without matrices start from, for positions: joint values (rad
+/// or m) by metres of error along the axes of the chain's first link.
+pub fn frozen_gain(chain: &Chain) -> Result<Matrix> {
+    let tail = &chain.compiled().tail;
+    let around = Around { chain, task: &Task::Position, tail, rotation_scale: 1.0 };
+    let mut gain = around.frozen()?;
+    let turned = &gain * chain.base().rotation.matrix();
+    gain.copy_from(&turned);
+    Ok(Matrix::of(&gain))
+}
+
+/// Postures a quarter of the range on either side of the middle, joint by joint in other
+/// patterns: a handful, of which none is special.
+fn about_middle(chain: &Chain) -> impl Iterator<Item = Vec<f64>> {
+    (1u32..16).map(|pattern| {
+        let value = |(i, v): (usize, &crate::chain::Variable)| {
+            let (low, high) = if (v.upper - v.lower).is_finite() {
+                (v.lower, v.upper)
+            } else {
+                (-std::f64::consts::PI, std::f64::consts::PI)
+            };
+            let side = if pattern >> (i % 4) & 1 == 1 { 0.75 } else { 0.4 };
+            low + side * (high - low)
+        };
+        chain.variables().iter().enumerate().map(value).collect()
+    })
 }
 
 /// The middle of the limits; zero for continuous joints.

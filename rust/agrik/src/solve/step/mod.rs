@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::lanes::Real;
 
 pub(super) use gains::{Feedback, Sparse, middle};
-pub use gains::{GainUnits, Matrix, Pid, PidOrder, StateSpace, StaticGain};
+pub use gains::{GainUnits, Matrix, Pid, PidOrder, StateSpace, StaticGain, frozen_gain};
 pub use pace::Pace;
 
 /// How a step is computed.
