@@ -47,11 +47,11 @@ def test_no_arm_angle_of_a_dense_grid_is_better(name, choose):
     count = 60
     targets = arm.fk(arm.random_q(count, seed=21))
     q0 = arm.random_q(count, seed=22)
-    solver = solvers.ClosedForm(choose=choose)
+    solver = solvers.ClosedForm(choose=choose, certify=True)
     result = arm.ik(targets, q0=q0, solver=solver)
     assert result.success.all()
     got = costs(arm, result.q, choose, q0)
-    quick = arm.ik(targets, q0=q0, solver=solvers.ClosedForm(choose=choose, certify=False))
+    quick = arm.ik(targets, q0=q0, solver=solvers.ClosedForm(choose=choose))
     looked_at = costs(arm, quick.q, choose, q0)
     assert (got <= looked_at + TOLERANCE).all()
     gains, improved = [], 0
@@ -71,8 +71,8 @@ def test_batches_of_random_poses_never_do_worse_than_the_quick_look(choose):
         arm = load(name)
         q = arm.random_q(20_000, seed=23)
         targets = arm.fk(q)
-        best = arm.ik(targets, solver=solvers.ClosedForm(choose=choose))
-        quick = arm.ik(targets, solver=solvers.ClosedForm(choose=choose, certify=False))
+        best = arm.ik(targets, solver=solvers.ClosedForm(choose=choose, certify=True))
+        quick = arm.ik(targets, solver=solvers.ClosedForm(choose=choose))
         assert best.success.all() and quick.success.all()
         middle = (arm.lower + arm.upper) / 2
         cost, other, own = (costs(arm, x, choose, middle) for x in (best.q, quick.q, q))
@@ -106,7 +106,7 @@ def test_limits_that_leave_little(load_robot):
         other = np.clip(inside + rng.normal(scale=0.6, size=inside.shape), -2, 2)
         for target in (*arm.fk(inside), *arm.fk(other)):
             for choose in CHOICES:
-                result = arm.ik(target, solver=solvers.ClosedForm(choose=choose))
+                result = arm.ik(target, solver=solvers.ClosedForm(choose=choose, certify=True))
                 best, _ = grid_best(arm, target, choose, middle)
                 if result.success:
                     solved += 1

@@ -319,11 +319,12 @@ class ClosedForm:
     arm_angle : float, optional
         Arm angle of an S-R-S arm, rad (see `Robot.arm_angle`). Default: the best one by
         `choose`, out of all that the limits allow.
-    certify : bool, default True
+    certify : bool, default False
         Prove that no other arm angle of an S-R-S arm is better by more than 1e-9 in the
-        cost (rad^2, or shares), see the page on closed forms. False takes the best of a
-        quick look round instead; "auto" does. Nothing to prove with `arm_angle`, for other
-        arms, or where axes of shoulder or wrist meet at another than a right angle.
+        cost (rad^2, or shares), see the page on closed forms. Takes four to ten times as
+        long as the default, the best of a quick look round. Nothing to prove with
+        `arm_angle`, for other arms, or where axes of shoulder or wrist meet at another than
+        a right angle.
 
     Raises
     ------
@@ -334,7 +335,7 @@ class ClosedForm:
     name: ClassVar[str] = "closed_form"
     choose: Literal["nearest", "margin", "middle"] = "nearest"
     arm_angle: float | None = None
-    certify: bool = True
+    certify: bool = False
 
     def __post_init__(self) -> None:
         if self.choose not in ("nearest", "margin", "middle"):

@@ -11,6 +11,7 @@ use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Vector3};
 
 use super::{Joint, JointKind, Variable};
 use crate::error::{Error, Result};
+use crate::lanes::hypotenuse;
 
 /// Below this sine two axes count as parallel: rounding of pi/2 and the like, not a tilt.
 const PARALLEL: f64 = 1e-14;
@@ -224,7 +225,7 @@ fn connect(previous: &mut Link, next: &mut Link, constant: &IsometryMatrix3<f64>
     let r = constant.rotation.matrix();
     let t = constant.translation.vector;
     let axis = r.column(2);
-    let sine = axis[0].hypot(axis[1]);
+    let sine = hypotenuse(axis[0], axis[1]);
     if sine > SKEW {
         let phi = axis[0].atan2(-axis[1]);
         let (s, c) = phi.sin_cos();
@@ -244,7 +245,7 @@ fn connect(previous: &mut Link, next: &mut Link, constant: &IsometryMatrix3<f64>
         ]));
         next.theta += rotation_about_z(&(turned.inverse() * constant.rotation));
     } else if sine < PARALLEL {
-        let a = t[0].hypot(t[1]);
+        let a = hypotenuse(t[0], t[1]);
         let phi = if snap(a) == 0.0 { 0.0 } else { t[1].atan2(t[0]) };
         previous.theta += phi;
         previous.a = snap(a);

@@ -6,6 +6,7 @@
 //! outside either is out of reach; a target inside both may still be.
 
 use super::{Compiled, Tail, Twist, Variable};
+use crate::lanes::hypotenuse;
 
 /// Where a point can be.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,9 +85,9 @@ fn sphere(chain: &Compiled, limits: &[Interval], point: [f64; 3]) -> ([f64; 3], 
             Interval::point(link.d)
         };
         let (ahead, side) = if i == last {
-            (along.add(Interval::point(point[2])), point[0].hypot(point[1]))
+            (along.add(Interval::point(point[2])), hypotenuse(point[0], point[1]))
         } else {
-            (along, link.a.hypot(link.b))
+            (along, hypotenuse(link.a, link.b))
         };
         // The first joint's axis stands still: move the centre along it to the middle.
         let ahead = if i == 0 {
@@ -104,7 +105,7 @@ fn sphere(chain: &Compiled, limits: &[Interval], point: [f64; 3]) -> ([f64; 3], 
         } else {
             ahead.lower.abs().min(ahead.upper.abs())
         };
-        pieces.push((side.hypot(far), side.hypot(near)));
+        pieces.push((hypotenuse(side, far), hypotenuse(side, near)));
     }
     let radius: f64 = pieces.iter().map(|p| p.0).sum();
     let inner = pieces.iter().map(|p| p.1 - (radius - p.0)).fold(0.0, f64::max);

@@ -16,7 +16,7 @@ use super::turn::{Meeting, Side, advance, components};
 use super::{BRANCHES, ClosedForm};
 use crate::chain::{Chain, Tail};
 use crate::error::{Error, Result};
-use crate::lanes::{V3, atan2};
+use crate::lanes::{V3, atan2, hypotenuse};
 use crate::solve::Tolerance;
 use crate::task::pose_goal;
 
@@ -129,7 +129,7 @@ fn pieces(
     // The branches trade places where first and third axis are in line.
     for wanted in [c1 * c2 - s1 * s2, c1 * c2 + s1 * s2] {
         let [k0, k1, k2] = [0, 1, 2].map(|p| parts[p][2][2]);
-        let size = k1.hypot(k2);
+        let size = hypotenuse(k1, k2);
         let off = (k0 - wanted).abs() - size;
         if off.abs() < 1e-9 {
             let top = k2.atan2(k1);
@@ -204,7 +204,7 @@ pub(super) fn limit_cuts(
 
 /// Roots of `k0 + k1 cos + k2 sin`.
 fn roots(k0: f64, k1: f64, k2: f64, out: &mut Vec<f64>) {
-    let size = k1.hypot(k2);
+    let size = hypotenuse(k1, k2);
     if k0.abs() < size {
         let (top, half) = (k2.atan2(k1), (-k0 / size).acos());
         out.push(wrap(top + half));

@@ -3,6 +3,8 @@
 
 use nalgebra::{Complex, Matrix4};
 
+use crate::lanes::hypotenuse;
+
 /// A real root, or a slot without one.
 #[derive(Debug, Clone, Copy)]
 pub struct Root {
@@ -80,7 +82,7 @@ pub fn roots(form: &[[f64; 3]; 3]) -> [Root; 4] {
         let turn = t.sin_cos();
         let seen = out[..found].iter().any(|other| {
             let (dy, dx) = (other.turn.0 - turn.0, other.turn.1 - turn.1);
-            dy.hypot(dx) < SAME
+            hypotenuse(dy, dx) < SAME
         });
         if !seen {
             out[found] = Root { turn, merged: false, singular: slope.abs() < FLAT * size };

@@ -11,7 +11,7 @@
 use super::geometry::{Geometry, Link};
 use super::quartic;
 use super::turn::{Root, SINGULAR, Side, Turn, linear, minus, turned, unit_turn};
-use crate::lanes::{Real, V3};
+use crate::lanes::{Real, V3, hypotenuse};
 
 /// Which equations come apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,7 +63,7 @@ impl Shoulder {
     pub fn new(geometry: &Geometry) -> Result<Self, String> {
         let [one, two, three, four] = [0, 1, 2, 3].map(|i| geometry.links[i]);
         let (x, y) = (three.a, -three.sine * four.d);
-        let radius = x.hypot(y);
+        let radius = hypotenuse(x, y);
         let height = three.d + three.cosine * four.d;
         let tolerance = geometry.tolerance;
         if radius < tolerance {

@@ -13,7 +13,7 @@ use super::spherical_wrist::wrist_center;
 use super::turn::{
     Meeting, Root, Side, Turn, Turned, advance, components, direction, identity, linear,
 };
-use crate::lanes::{Real, V3, axpy, blend, cross, dot, scale, splat3, sub};
+use crate::lanes::{Real, V3, axpy, blend, cross, dot, hypotenuse, scale, splat3, sub};
 use crate::task::Goal;
 
 /// A recognised arm.
@@ -86,8 +86,8 @@ impl Srs {
         }
         let [three, four, five] = [2, 3, 4].map(|i| geometry.links[i]);
         let (x, y) = (four.a, -four.sine * five.d);
-        let radius = x.hypot(y);
-        let to_axis = three.a.hypot(three.sine * three.d);
+        let radius = hypotenuse(x, y);
+        let to_axis = hypotenuse(three.a, three.sine * three.d);
         if radius < geometry.tolerance || to_axis < geometry.tolerance {
             return Err("its fourth axis goes through shoulder or wrist".to_owned());
         }
@@ -195,7 +195,7 @@ impl Srs {
     #[inline(always)]
     fn elbow_point<R: Real>(&self) -> V3<R> {
         let three = self.geometry.links[2];
-        let length = three.a.hypot(three.d);
+        let length = hypotenuse(three.a, three.d);
         splat3::<R>([three.a / length, 0.0, three.d / length])
     }
 

@@ -13,7 +13,7 @@
 //! an arc cosine that loses the sign of z.
 
 use crate::error::{Error, Result};
-use crate::lanes::Real;
+use crate::lanes::{Real, hypotenuse};
 use crate::solve::{Answers, Status};
 
 /// How far past the ends of the reach a target may be, m.
@@ -248,7 +248,7 @@ impl Arm {
         let b = [-l2 * s12, l2 * c12];
         let (xx, yy) = (a[0] * a[0] + b[0] * b[0], a[1] * a[1] + b[1] * b[1]);
         let xy = a[0] * a[1] + b[0] * b[1];
-        let largest = 0.5 * (xx + yy + (xx - yy).hypot(2.0 * xy));
+        let largest = 0.5 * (xx + yy + hypotenuse(xx - yy, 2.0 * xy));
         2.0 / largest.max(r * r)
     }
 }
@@ -304,7 +304,7 @@ mod tests {
         let [l1, l2] = arm.links;
         let (mut sign, mut below, mut planar) = (Vec::new(), Vec::new(), Vec::new());
         for [x, y, z] in targets(4000) {
-            let (rho, d) = (x.hypot(y), (x * x + y * y + z * z).sqrt());
+            let (rho, d) = (hypotenuse(x, y), (x * x + y * y + z * z).sqrt());
             let acos = |c: f64| c.clamp(-1.0, 1.0).acos();
             let inner = acos((l1 * l1 + d * d - l2 * l2) / (2.0 * l1 * d));
             let elbow = PI - acos((l1 * l1 + l2 * l2 - d * d) / (2.0 * l1 * l2));

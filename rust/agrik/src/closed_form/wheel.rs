@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use super::arm_angle::{Parts, wrap};
-use crate::lanes::atan2_each;
+use crate::lanes::{atan2_each, hypotenuse};
 
 /// A range of numbers.
 #[derive(Debug, Clone, Copy)]
@@ -82,7 +82,7 @@ impl Wheel {
     /// Where `c` turns back, and where `t1` or `t3` does.
     pub fn cuts(&self, out: &mut Vec<f64>) {
         let [k0, k1, k2] = [0, 1, 2].map(|p| self.parts[p][2][2]);
-        let (top, size) = (k2.atan2(k1), k1.hypot(k2));
+        let (top, size) = (k2.atan2(k1), hypotenuse(k1, k2));
         out.extend([wrap(top), wrap(top + PI)]);
         for (n, d) in [(self.a, self.p), (self.p, self.a)] {
             let share = (n / d - k0) / size;

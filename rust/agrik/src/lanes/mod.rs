@@ -101,6 +101,15 @@ pub trait Real:
     }
 }
 
+/// `sqrt(x^2 + y^2)` of numbers whose squares neither overflow nor vanish.
+///
+/// The C library's `hypot` rounds differently from platform to platform, and binds a wheel
+/// to a newer C library than all else here does.
+#[inline(always)]
+pub(crate) fn hypotenuse(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
 /// Three lanes-wide components.
 ///
 /// The functions on them are written out: `array::map` does not always inline, and what

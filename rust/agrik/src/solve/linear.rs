@@ -10,7 +10,7 @@ macro_rules! unrolled {
     };
     (@each $index:ident, $end:expr, $block:block, $($value:literal)*) => {
         $(if $value < $end {
-            const $index: usize = $value;
+            let $index: usize = $value;
             $block
         })*
     };
@@ -26,34 +26,35 @@ pub(super) fn solve_spd<R: Real, const M: usize>(
     mut b: [R; M],
     floor: R,
 ) -> [R; M] {
+    const { assert!(M <= 6, "`unrolled` counts to six") };
     let mut inverse = [R::zero(); M];
-    unrolled!(J < M, {
-        inverse[J] = R::splat(1.0) / a[J][J].max(floor);
-        unrolled!(I < M, {
-            if J < I {
-                let l = a[I][J] * inverse[J];
-                unrolled!(K < M, {
-                    if J < K && K <= I {
-                        a[I][K] = l.neg_mul_add(a[K][J], a[I][K]);
+    unrolled!(j < M, {
+        inverse[j] = R::splat(1.0) / a[j][j].max(floor);
+        unrolled!(i < M, {
+            if j < i {
+                let l = a[i][j] * inverse[j];
+                unrolled!(k < M, {
+                    if j < k && k <= i {
+                        a[i][k] = l.neg_mul_add(a[k][j], a[i][k]);
                     }
                 });
             }
         });
-        // Column J now holds L D; scaling it waits until no pivot needs it any more.
-        unrolled!(I < M, {
-            if J < I {
-                a[I][J] *= inverse[J];
-                b[I] = a[I][J].neg_mul_add(b[J], b[I]);
+        // Column j now holds L D; scaling it waits until no pivot needs it any more.
+        unrolled!(i < M, {
+            if j < i {
+                a[i][j] *= inverse[j];
+                b[i] = a[i][j].neg_mul_add(b[j], b[i]);
             }
         });
     });
-    unrolled!(J < M, {
-        b[J] *= inverse[J];
+    unrolled!(j < M, {
+        b[j] *= inverse[j];
     });
-    unrolled!(L < M, {
-        unrolled!(I < M, {
-            if I < M - 1 - L {
-                b[I] = a[M - 1 - L][I].neg_mul_add(b[M - 1 - L], b[I]);
+    unrolled!(l < M, {
+        unrolled!(i < M, {
+            if i < M - 1 - l {
+                b[i] = a[M - 1 - l][i].neg_mul_add(b[M - 1 - l], b[i]);
             }
         });
     });

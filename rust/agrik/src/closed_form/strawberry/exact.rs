@@ -65,6 +65,7 @@
 use super::sets::Window;
 use super::{Angle, Arm, Gap, Interval, Pose, SLIDE_TOLERANCE};
 use crate::error::{Error, Result};
+use crate::lanes::hypotenuse;
 
 /// Theta and beta of least energy where no slide limits them, and the slides' offsets.
 #[derive(Debug, Clone, Copy)]
@@ -97,7 +98,7 @@ impl Arm {
         let shortest = self.reach(p.lower[4]).min(self.reach(p.upper[4]));
         let d = e.p[0] * e.q[1] - e.p[1] * e.q[0];
         let grows = e.p[0] * e.p[1] + e.q[0] * e.q[1] >= 0.0 && e.q[0] > 0.0 && e.q[1] >= 0.0;
-        let least = e.p[0].hypot(e.q[0]);
+        let least = hypotenuse(e.p[0], e.q[0]);
         let conditions = [
             grows && e.p[1] > d * d / least.powi(3),
             e.k[1] + 3.0 * e.k[0] / shortest >= 0.0,

@@ -2,6 +2,7 @@
 
 use super::sets::Window;
 use super::{Arm, Interval, SLIDE_TOLERANCE};
+use crate::lanes::hypotenuse;
 
 /// Steps of the scan over beta before its best place is refined.
 const SCAN: usize = 128;
@@ -72,8 +73,9 @@ impl Arm {
     pub(super) fn window_distance(&self, window: &Window, r: Interval) -> f64 {
         let mut least = f64::INFINITY;
         let mut keep = |r: f64| {
-            let length =
-                self.arc_gap(window, r, [true; 3]).map_or(f64::INFINITY, |g| g[0].hypot(g[1]));
+            let length = self
+                .arc_gap(window, r, [true; 3])
+                .map_or(f64::INFINITY, |g| hypotenuse(g[0], g[1]));
             least = least.min(length);
             length
         };

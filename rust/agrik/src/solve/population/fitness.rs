@@ -4,7 +4,7 @@
 use super::evaluator::Fitness;
 use crate::chain::Tail;
 use crate::kinematics::Workspace;
-use crate::lanes::{Real, V3, angle_over_sine, dot};
+use crate::lanes::{Real, V3, angle_over_sine, dot, hypotenuse};
 use crate::task::{AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task};
 
 /// How the distance of two orientations is measured.
@@ -53,9 +53,9 @@ impl EulerGoal {
     /// Angles of a frame given by its columns.
     pub fn of(axes: [[f64; 3]; 3]) -> Self {
         let [x, y, z] = axes;
-        let sine = x[2].hypot(y[2]);
+        let sine = hypotenuse(x[2], y[2]);
         let unit = |c: f64, s: f64| {
-            let length = c.hypot(s).max(1e-300);
+            let length = hypotenuse(c, s).max(1e-300);
             (c / length, s / length)
         };
         let beta = unit(z[2], sine);
