@@ -137,8 +137,11 @@ def test_the_caps_hold(solver: type[Any], arm: ik.Robot) -> None:
     poses = arm.fk(arm.random_q(20, seed=2))
     result = arm.ik(poses, solver=solver(max_iterations=2, max_restarts=3), seed=3)
     assert result.restarts.max() == 3
-    assert result.iterations.max() == 8
     unsolved = ~result.success
+    # Two steps in each of four attempts; one that has come near a solution gets eight times
+    # as many.
+    assert np.median(result.iterations[unsolved]) == 8
+    assert result.iterations.max() <= 8 * 8
     assert (result.status[unsolved] == ik.Status.NOT_FOUND).all()
 
 

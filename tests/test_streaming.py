@@ -71,7 +71,7 @@ def peak_bytes(targets: Path, output: Path) -> int:
 def test_memory_does_not_grow_with_the_file(tmp_path: Path, suffix: str) -> None:
     sizes = []
     peaks = []
-    for rows in (300_000, 1_200_000):
+    for rows in (300_000, 1_500_000):
         targets, output = tmp_path / f"{rows}{suffix}", tmp_path / f"out{rows}{suffix}"
         write_points(targets, rows)
         peaks.append(peak_bytes(targets, output))

@@ -49,7 +49,9 @@ impl<'py> Floats<'py> {
     pub fn many(argument: &str, value: &Bound<'py, PyAny>, threads: usize) -> PyResult<Self> {
         let array = numbers(argument, value)?;
         let shape = array.shape().to_vec();
+        // `as_slice` takes Fortran order as well.
         if let Ok(doubles) = array.cast::<PyArrayDyn<f64>>()
+            && doubles.is_c_contiguous()
             && let Ok(view) = doubles.try_readonly()
             && let Ok(values) = view.as_slice()
         {

@@ -70,14 +70,14 @@ impl<'a> Sampler<'a> {
     /// The start of attempt `attempt` at target `row`.
     #[inline(always)]
     pub fn sample(&self, row: usize, attempt: u32, goal: &Goal<f64>, q: &mut [f64]) {
+        let key = self.key(row, attempt);
         let window = if self.ranking.placed && attempt < NEARBY {
-            self.window_near(goal, attempt as usize)
+            self.window_near(goal, attempt as usize, key)
         } else if attempt % ANYWHERE == ANYWHERE - 1 {
-            let mut stream = Xoshiro256PlusPlus::seed_from_u64(self.key(row, attempt));
-            draw(&mut stream, &self.postures.ranges, q);
+            draw(&mut Xoshiro256PlusPlus::seed_from_u64(key), &self.postures.ranges, q);
             return;
         } else {
-            let drawn = u128::from(self.key(row, attempt)) * windows(SCATTERED) as u128;
+            let drawn = u128::from(key) * windows(SCATTERED) as u128;
             SORTED / BLOCK + (drawn >> 64) as usize
         };
         let dof = q.len();
@@ -89,8 +89,11 @@ impl<'a> Sampler<'a> {
 
     /// First block of the window around the goal's place; for later attempts of those next
     /// to it, by turns after and before it.
+    ///
+    /// A window of an even number of blocks has the goal's block on one side or the other of
+    /// its middle; the random stream says on which.
     #[inline(always)]
-    fn window_near(&self, goal: &Goal<f64>, attempt: usize) -> usize {
+    fn window_near(&self, goal: &Goal<f64>, attempt: usize, key: u64) -> usize {
         let mut place = goal.position;
         if self.ranking.axes > 0.0 {
             // Where the chain's own tool point is while the call's is at its goal.
@@ -101,7 +104,8 @@ impl<'a> Sampler<'a> {
             }
         }
         let windows = windows(SORTED);
-        let around = self.postures.places.block(place).saturating_sub(WINDOW / 2).min(windows - 1);
+        let block = self.postures.places.block(place) + (key & 1) as usize;
+        let around = block.saturating_sub(WINDOW / 2).min(windows - 1);
         let away = attempt.div_ceil(2) * WINDOW;
         let beside = if attempt % 2 == 1 { around + away } else { around + windows - away };
         beside % windows
