@@ -155,13 +155,14 @@ def run_ours(task: str, workers: dict[str, Process], chosen: argparse.Namespace)
         print(tables.memory_rows(out))
         return out
     if task == "threads":
-        free = Process(LIBRARIES[OURS], -1)
+        pair = (Process(LIBRARIES[OURS], -1), Process(LIBRARIES[OURS], -1))
         counts = tuple(dict.fromkeys((1, 2, machine.available_cores())))
         out = {
-            robot: measure.thread_table(free, robot, chosen.batch_n, chosen.repeats + 2, counts)
+            robot: measure.thread_table(pair, robot, chosen.batch_n, chosen.repeats + 2, counts)
             for robot in chosen.robots
         }
-        free.close()
+        for free in pair:
+            free.close()
         print("\n## threads: one batch call, full pose, all cores allowed\n")
         print(tables.thread_rows(out))
         return out

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import subprocess
@@ -106,22 +107,29 @@ class Process:
         self.about = self.ask("about")
 
     def ask(self, op: str, **arguments: Any) -> dict[str, Any]:
+        self.send(op, **arguments)
+        return self.receive()
+
+    def send(self, op: str, **arguments: Any) -> None:
+        """Make a request without waiting, so that another worker can be busy meanwhile."""
+        assert self._process.stdin is not None
+        # A worker that has ended says why when it is asked for its answer.
+        with contextlib.suppress(BrokenPipeError):
+            self._process.stdin.write(json.dumps({"op": op, **arguments}) + "\n")
+            self._process.stdin.flush()
+
+    def receive(self) -> dict[str, Any]:
+        """Wait for the answer to the request made last."""
         process = self._process
-        assert process.stdin is not None
         assert process.stdout is not None
-        try:
-            process.stdin.write(json.dumps({"op": op, **arguments}) + "\n")
-            process.stdin.flush()
-            line = process.stdout.readline()
-        except BrokenPipeError:
-            line = ""
+        line = process.stdout.readline()
         if not line:
             process.wait(timeout=30)
             self._log.seek(0)
             raise BenchError(f"{self.library.name}: worker ended:\n{self._log.read()[-2000:]}")
         answer: dict[str, Any] = json.loads(line)
         if "error" in answer:
-            raise BenchError(f"{self.library.name}: {op} {arguments}: {answer['error']}")
+            raise BenchError(f"{self.library.name}: {answer['error']}")
         return answer
 
     def close(self) -> None:

@@ -18,6 +18,9 @@ from .libraries import OURS, Process
 
 Array = npt.NDArray[np.float64]
 
+# Row of `thread_table` that says what the machine can do at most.
+TWO_PROCESSES = "2 processes"
+
 
 @dataclass
 class Samples:
@@ -163,23 +166,42 @@ def evaluation_table(
 
 
 def thread_table(
-    worker: Process, robot: str, batch_count: int, repeats: int, threads: tuple[int, ...]
+    workers: tuple[Process, Process],
+    robot: str,
+    batch_count: int,
+    repeats: int,
+    threads: tuple[int, ...],
 ) -> dict[str, dict[str, Any]]:
     """Wall-clock targets a second of one batch call, by thread count, in turns.
 
     The best of the repeats counts: wall time only ever grows by what else the machine does.
     `cores` is CPU time over wall time of that repeat; less than the threads asked for means that
-    the cores were not free (or the call did not use them).
+    the cores were not free (or the call did not use them). The last row is the ceiling of the
+    machine: two processes at once, with one thread and nothing in common.
     """
-    worker.ask("open", robot=robot, count=10, position_only_m=None)
-    seen: dict[int, list[dict[str, Any]]] = {number: [] for number in threads}
+    worker = workers[0]
+    for each in workers:
+        each.ask("open", robot=robot, count=10, position_only_m=None)
+    seen: dict[str, list[dict[str, Any]]] = {str(number): [] for number in threads}
+    seen[TWO_PROCESSES] = []
     for _ in range(repeats):
         for number in threads:
-            seen[number].append(worker.ask("batch", count=batch_count, threads=number))
+            seen[str(number)].append(worker.ask("batch", count=batch_count, threads=number))
+        for each in workers:
+            each.send("batch", count=batch_count, threads=1)
+        one, other = (each.receive() for each in workers)
+        seen[TWO_PROCESSES].append(
+            {
+                **one,
+                # A target's time while both are at work.
+                "wall_ns": max(one["wall_ns"], other["wall_ns"]) / 2.0,
+                "cpu_ns": (one["cpu_ns"] + other["cpu_ns"]) / 2.0,
+            }
+        )
     table: dict[str, dict[str, Any]] = {}
-    for number, answers in seen.items():
+    for name, answers in seen.items():
         best = min(answers, key=lambda answer: float(answer["wall_ns"]))
-        table[str(number)] = {
+        table[name] = {
             "targets_per_second": 1e9 / best["wall_ns"],
             "cores": best["cpu_ns"] / best["wall_ns"],
             "cpu_us": best["cpu_ns"] / 1e3,

@@ -5,8 +5,9 @@ kinds. `ClosedForm` computes the answer outright where the arm's geometry allows
 name "auto" takes it there, for full poses, and "lm" elsewhere. *Population solvers*
 (`agrik_fast.population`) search the whole range of the joints with many postures at once.
 *Step solvers*, defined here, share one loop: it tests for convergence, takes a step within
-the joint limits, and restarts when an attempt has used up its iterations, from the best of
-a few postures that are drawn at random. They differ in how the step is computed.
+the joint limits, and restarts when an attempt has used up its iterations. Attempts start
+from the best of some sampled postures, the first attempts of those around the target. The
+solvers differ in how the step is computed.
 
 Rows of the error and the Jacobian that concern orientation are scaled by a length per
 radian (0.3 times the robot's reach), so that one damping serves metres and radians.

@@ -5,12 +5,16 @@
 //! targets.
 
 mod feedback;
+mod limit;
+mod runs;
 
 use smallvec::{SmallVec, smallvec};
 
 use self::feedback::{Halt, Memory};
+use self::limit::{Limit, limits, stand_in};
+use self::runs::{Place, Runs};
 use super::plan::{AnswersMut, INSIDE, Outcome, Plan, Status};
-use super::step::{Step, dot, pulled, squared_norm};
+use super::step::{dot, pulled, squared_norm};
 use crate::chain::{JointKind, Variable};
 use crate::kinematics::{PerJoint, Workspace, columns, forward};
 use crate::lanes::Real;
@@ -87,8 +91,8 @@ fn square<R: Real>(tolerance: f64) -> R {
 /// What a lane is busy with.
 #[derive(Debug, Clone)]
 struct Job {
-    /// Slot of its run and row inside it; `None` for an idle lane.
-    place: Option<(usize, usize)>,
+    /// Where its answer goes; `None` for an idle lane.
+    place: Option<Place>,
     /// Row in the whole call, and its goal.
     row: usize,
     goal: Goal<f64>,
@@ -111,45 +115,6 @@ struct Best {
     position_error: f64,
     orientation_error: f64,
 }
-
-/// A joint's limits as the loop sees them.
-#[derive(Debug, Clone, Copy)]
-struct Limit {
-    lower: f64,
-    upper: f64,
-    /// The joint can take every angle, so that its limits hold nothing back.
-    turns: bool,
-}
-
-impl Limit {
-    fn of(v: &Variable) -> Self {
-        // Half a step of rounding: limits of plus and minus half a turn are a full one.
-        let full = v.upper - v.lower >= std::f64::consts::TAU - 1e-15;
-        let turns = v.kind != JointKind::Prismatic && full;
-        Self { lower: v.lower, upper: v.upper, turns }
-    }
-}
-
-/// The limits of a plan: those of the joints, unless it has narrower ones.
-fn limits(plan: &Plan<'_>) -> PerJoint<Limit> {
-    match &plan.bounds {
-        None => plan.chain.variables().iter().map(Limit::of).collect(),
-        Some(bounds) => {
-            bounds.iter().map(|&(lower, upper)| Limit { lower, upper, turns: false }).collect()
-        }
-    }
-}
-
-/// A run of rows with the number of its unfinished rows.
-struct Open<'a> {
-    run: AnswersMut<'a>,
-    /// Next row to hand to a lane.
-    next: usize,
-    unfinished: usize,
-}
-
-/// The runs in work, one to a slot.
-type Opened<'a> = SmallVec<[Option<Open<'a>>; 2]>;
 
 struct Engine<'p, R: Real, T, const M: usize, const FEEDBACK: bool> {
     plan: &'p Plan<'p>,
@@ -223,7 +188,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<'a>(
-        mut self,
+        &mut self,
         next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
         keep_going: &mut dyn FnMut() -> bool,
     ) -> bool {
@@ -232,10 +197,10 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         let orientation2 = square::<R>(tolerance.orientation);
         let all = ((1u64 << R::WIDTH) - 1) as u32;
 
-        let mut open: Opened<'a> = SmallVec::new();
+        let mut runs = Runs::new();
         let mut busy = 0u32;
         for lane in 0..R::WIDTH {
-            busy |= u32::from(self.refill(lane, &mut open, next)) << lane;
+            busy |= u32::from(self.refill(lane, &mut runs, next)) << lane;
         }
         let mut halt = Halt::default();
         let mut passes = 0u32;
@@ -265,8 +230,8 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                     left &= left - 1;
                     let solved = reached >> lane & 1 != 0;
                     let status = self.status(lane, solved, halt);
-                    if !self.end_attempt(lane, status, &error, &mut open)
-                        && !self.refill(lane, &mut open, next)
+                    if !self.end_attempt(lane, status, &error, &mut runs)
+                        && !self.refill(lane, &mut runs, next)
                     {
                         busy &= !(1 << lane);
                     }
@@ -434,7 +399,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         lane: usize,
         status: Status,
         error: &TaskError<R, M>,
-        open: &mut [Option<Open<'_>>],
+        runs: &mut Runs<'_>,
     ) -> bool {
         let settings = &self.plan.settings;
         let solved = status == Status::Converged;
@@ -476,9 +441,8 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             iterations: job.steps_before + job.steps,
             restarts: job.attempt,
         };
-        if let Some((slot, i)) = job.place.take() {
-            finish(open, slot, i, outcome).fill(job.best_q.iter().copied());
-            close_if_done(open, slot);
+        if let Some(place) = job.place.take() {
+            runs.finish(place, outcome, job.best_q.iter().copied());
         }
         false
     }
@@ -488,11 +452,11 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
     fn refill<'a>(
         &mut self,
         lane: usize,
-        open: &mut Opened<'a>,
+        runs: &mut Runs<'a>,
         next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
     ) -> bool {
         loop {
-            let Some((slot, i, row)) = next_row(open, next) else { return false };
+            let Some((place, row)) = runs.next_row(next) else { return false };
             let Some(goal) = self.plan.goal(row) else {
                 let outcome = Outcome {
                     status: Status::BadInput,
@@ -501,13 +465,12 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                     iterations: 0,
                     restarts: 0,
                 };
-                finish(open, slot, i, outcome).fill(self.variables.iter().map(stand_in));
-                close_if_done(open, slot);
+                runs.finish(place, outcome, self.variables.iter().map(stand_in));
                 continue;
             };
             self.goal.set_lane(lane, &goal);
             let job = &mut self.jobs[lane];
-            job.place = Some((slot, i));
+            job.place = Some(place);
             job.row = row;
             job.goal = goal;
             job.attempt = 0;
@@ -541,82 +504,6 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         }
         if FEEDBACK {
             self.memory.reset(self.plan.feedback.as_ref(), lane);
-        }
-    }
-}
-
-/// The next row of the open runs, opening another run where they are used up.
-fn next_row<'a>(
-    open: &mut Opened<'a>,
-    next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
-) -> Option<(usize, usize, usize)> {
-    loop {
-        for (slot, entry) in open.iter_mut().enumerate() {
-            if let Some(o) = entry
-                && o.next < o.run.len()
-            {
-                let i = o.next;
-                o.next += 1;
-                return Some((slot, i, o.run.first + i));
-            }
-        }
-        let run = next()?;
-        let fresh = Open { next: 0, unfinished: run.len(), run };
-        match open.iter_mut().find(|entry| entry.is_none()) {
-            Some(entry) => *entry = Some(fresh),
-            None => open.push(Some(fresh)),
-        }
-    }
-}
-
-/// Joint values of a finished row, to be filled in.
-struct Filled<'b>(Option<&'b mut [f64]>);
-
-impl Filled<'_> {
-    fn fill(self, q: impl Iterator<Item = f64>) {
-        for (to, from) in self.0.into_iter().flatten().zip(q) {
-            *to = from;
-        }
-    }
-}
-
-/// A value inside a joint's limits that stands in for an answer where there is none.
-fn stand_in(v: &Variable) -> f64 {
-    0.0f64.clamp(v.lower, v.upper)
-}
-
-fn finish<'b>(
-    open: &'b mut [Option<Open<'_>>],
-    slot: usize,
-    i: usize,
-    outcome: Outcome,
-) -> Filled<'b> {
-    Filled(open[slot].as_mut().map(|o| {
-        o.unfinished -= 1;
-        o.run.finish(i, outcome)
-    }))
-}
-
-fn close_if_done(open: &mut [Option<Open<'_>>], slot: usize) {
-    if open[slot].as_ref().is_some_and(|o| o.unfinished == 0) {
-        open[slot] = None;
-    }
-}
-
-impl Step {
-    /// The name by which users choose the step.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Transpose | Self::FixedTranspose { .. } => "transpose",
-            Self::PseudoInverse { .. } => "pinv",
-            Self::Damped { .. } => "dls",
-            Self::LevenbergMarquardt { .. } => "lm",
-            Self::ClosedPseudoInverse => "pinv-closed",
-            Self::CyclicCoordinateDescent => "ccd",
-            Self::IkPid(_) => "ik-pid",
-            Self::StateSpace(_) => "state-space",
-            Self::StaticGain(_) => "static-gain",
-            Self::Broyden { .. } => "broyden",
         }
     }
 }

@@ -256,6 +256,22 @@ impl Settings {
 }
 
 impl Step {
+    /// The name by which users choose the step.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Transpose | Self::FixedTranspose { .. } => "transpose",
+            Self::PseudoInverse { .. } => "pinv",
+            Self::Damped { .. } => "dls",
+            Self::LevenbergMarquardt { .. } => "lm",
+            Self::ClosedPseudoInverse => "pinv-closed",
+            Self::CyclicCoordinateDescent => "ccd",
+            Self::IkPid(_) => "ik-pid",
+            Self::StateSpace(_) => "state-space",
+            Self::StaticGain(_) => "static-gain",
+            Self::Broyden { .. } => "broyden",
+        }
+    }
+
     /// A step that moves the tool by less than this share of the error leads nowhere: what
     /// would help is held at its limits. Steps down the gradient are short by nature.
     #[inline(always)]
