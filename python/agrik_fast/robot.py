@@ -445,8 +445,7 @@ class Robot:
         """Make a solver for one target at a time, for control loops.
 
         Options are read once; its `solve` gives, bit for bit, what `ik` gives for the same
-        target, and allocates nothing after the first call (the state-space, static-gain and
-        Broyden laws do allocate their matrices).
+        target, and allocates nothing after the first call.
 
         Parameters
         ----------

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use agrik::batch;
 use agrik::chain::Chain;
 use agrik::lanes::Level;
-use agrik::solve::{Answers, Goals, Plan, Settings, Starts, Status};
+use agrik::solve::{Answers, Goals, Plan, Setup, Starts, Status};
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -26,8 +26,8 @@ struct Buffers {
 #[pyclass(frozen, module = "agrik_fast._native")]
 pub struct TargetSolver {
     chain: Arc<Chain>,
+    setup: Setup,
     options: Options,
-    settings: Settings,
     q: Py<PyArray1<f64>>,
     buffers: Mutex<Buffers>,
 }
@@ -39,8 +39,10 @@ impl TargetSolver {
             return Err(errors::argument(py, "solver", "a population solver", "a step solver"));
         };
         let dof = chain.dof();
+        let Options { wanted, tolerance, tail, .. } = options;
+        let setup = Setup::new(&chain, wanted.task, settings.clone(), tolerance, tail);
         Ok(Self {
-            settings: settings.clone(),
+            setup: setup.map_err(|error| errors::from_core(py, error))?,
             q: PyArray1::zeros(py, dof, false).unbind(),
             buffers: Mutex::new(Buffers { answers: Answers::new(1, dof), start: vec![0.0; dof] }),
             chain,
@@ -117,18 +119,9 @@ impl TargetSolver {
         } else {
             Goals::Positions { points: values.as_chunks().0, direction: wanted.direction }
         };
-        let plan = Plan::new(
-            &self.chain,
-            wanted.task,
-            self.settings.clone(),
-            options.tolerance,
-            goals,
-            starts,
-            options.tail,
-            options.seed,
-            options.first_index,
-        )
-        .map_err(|error| errors::from_core(py, error))?;
+        let (seed, first_index) = (options.seed, options.first_index);
+        let plan = Plan::with_setup(&self.chain, &self.setup, goals, starts, seed, first_index)
+            .map_err(|error| errors::from_core(py, error))?;
         let mut signals = Signals::new();
         batch::solve_into(Level::in_use(), &plan, 1, answers, &mut || signals.go_on_attached(py))
             .map_err(|error| {

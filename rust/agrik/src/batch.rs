@@ -36,8 +36,8 @@ pub fn solve_at(
 }
 
 /// [`solve_at`] into answers that are there already, of as many rows as the call; with one
-/// target and a chain of up to 16 joints nothing is allocated, but for the matrices of the
-/// feedback laws that have some.
+/// target, a chain of up to 16 joints and a [`crate::solve::Setup`] made before nothing is
+/// allocated.
 pub fn solve_into(
     level: Level,
     call: &impl Solve,

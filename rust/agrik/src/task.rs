@@ -101,6 +101,7 @@ impl<R: Real> Goal<R> {
     }
 
     /// Writes one lane.
+    #[inline(always)]
     pub fn set_lane(&mut self, lane: usize, goal: &Goal<f64>) {
         for (to, from) in self.position.iter_mut().zip(goal.position) {
             to.set_lane(lane, from);
@@ -346,19 +347,20 @@ fn half_turn_axis<R: Real>(from: [V3<R>; 3], to: [V3<R>; 3]) -> V3<R> {
 /// Position and axes (columns) of a pose given row by row.
 #[inline(always)]
 pub fn pose_parts(m: &[f64; 16]) -> ([f64; 3], [[f64; 3]; 3]) {
-    ([m[3], m[7], m[11]], [0, 1, 2].map(|j| [m[j], m[4 + j], m[8 + j]]))
+    let column = |j: usize| [m[j], m[4 + j], m[8 + j]];
+    ([m[3], m[7], m[11]], [column(0), column(1), column(2)])
 }
 
 /// The goal of a pose target: `axes` are those that the last joint's frame must take.
+#[inline(always)]
 pub fn pose_goal(position: [f64; 3], rotation: [[f64; 3]; 3], tail: &Tail) -> Goal<f64> {
     // R_joint = R_target * R_tail^T.
-    let axes = [0, 1, 2].map(|j| {
-        let mut column = [0.0; 3];
+    let mut axes = [[0.0; 3]; 3];
+    for (j, column) in axes.iter_mut().enumerate() {
         for (r, t) in rotation.iter().zip(&tail.rotation) {
-            column = axpy(*r, t[j], column);
+            *column = axpy(*r, t[j], *column);
         }
-        column
-    });
+    }
     Goal { position, axes }
 }
 

@@ -1,9 +1,6 @@
-//! One target at a time, as in a control loop, into answers that are there already: nothing
-//! is allocated after the first call, whatever the level, the step, the task and the fate of
-//! the target.
-//!
-//! Three feedback laws are left out: the state space, the static gain and Broyden's work out
-//! their matrices of any size anew for each call, and do allocate them.
+//! One target at a time, as in a control loop, into answers that are there already and with a
+//! setup made before: nothing is allocated after the first call, whatever the level, the
+//! step, the task and the fate of the target.
 
 #[path = "../benches/common/arms.rs"]
 mod arms;
@@ -11,7 +8,7 @@ mod arms;
 use agrik::batch::{solve_at, solve_into};
 use agrik::chain::Chain;
 use agrik::lanes::Level;
-use agrik::solve::{Answers, Goals, Plan, Settings, Starts, Status, Tolerance};
+use agrik::solve::{Answers, Goals, Plan, Settings, Setup, Starts, Status, Tolerance};
 use agrik::task::{MaskFrame, Task};
 use allocation_counter::measure;
 use arms::{ARMS, arm, points, poses, postures};
@@ -28,6 +25,9 @@ fn all_settings() -> Vec<Settings> {
         few(Settings::TRANSPOSE),
         few(Settings::DESCENT),
         few(Settings::IK_PID),
+        few(Settings::STATE_SPACE),
+        few(Settings::STATIC_GAIN),
+        few(Settings::BROYDEN),
     ]
 }
 
@@ -48,10 +48,10 @@ fn one_by_one(
 ) -> [usize; 6] {
     let points = points(targets);
     let mut counts = [0; 6];
-    // What the caller makes anew for each call is not the solver's: it is made before.
+    let setup = Setup::new(chain, task, settings.clone(), Tolerance::default(), None)
+        .expect("the arguments are in range");
     let mut measured = 0;
     for (row, point) in points.iter().enumerate() {
-        let settings = settings.clone();
         let allocated = measure(|| {
             let goals = if task == Task::Position {
                 Goals::Positions { points: std::slice::from_ref(point), direction: None }
@@ -61,9 +61,8 @@ fn one_by_one(
             let starts = starts.map_or(Starts::Free, |q| {
                 Starts::One(&q[row * chain.dof()..(row + 1) * chain.dof()])
             });
-            let plan =
-                Plan::new(chain, task, settings, Tolerance::default(), goals, starts, None, 7, 0)
-                    .expect("the arguments are in range");
+            let plan = Plan::with_setup(chain, &setup, goals, starts, 7, 0)
+                .expect("the arguments are in range");
             solve_into(level, &plan, 1, answers, &mut || true).expect("nobody interrupts");
         });
         measured += allocated.count_total;

@@ -33,6 +33,14 @@ pub struct Variable {
     pub upper: f64,
 }
 
+impl Variable {
+    /// The value inside the limits that is nearest to zero: what stands for an answer where
+    /// there is none.
+    pub fn near_zero(&self) -> f64 {
+        0.0f64.clamp(self.lower, self.upper)
+    }
+}
+
 /// An ordered list of joints from base to tool, checked and compiled.
 #[derive(Debug, Clone)]
 pub struct Chain {
@@ -119,6 +127,10 @@ impl Chain {
     /// Number of entries of `q`.
     pub fn dof(&self) -> usize {
         self.variables.len()
+    }
+    /// The joint values inside the limits that are nearest to zero.
+    pub fn near_zero(&self) -> Vec<f64> {
+        self.variables.iter().map(Variable::near_zero).collect()
     }
     /// All joints, fixed ones and followers included, from base to tool.
     pub fn joints(&self) -> &[Joint] {

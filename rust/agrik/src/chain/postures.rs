@@ -88,7 +88,9 @@ impl Places {
     #[inline(always)]
     fn cell(&self, p: [f64; 3]) -> [u32; 3] {
         let last = f64::from((1u32 << BITS) - 1);
-        [0, 1, 2].map(|k| ((p[k] - self.low[k]) * self.cells_per_metre[k]).clamp(0.0, last) as u32)
+        let along =
+            |k: usize| ((p[k] - self.low[k]) * self.cells_per_metre[k]).max(0.0).min(last) as u32;
+        [along(0), along(1), along(2)]
     }
 }
 

@@ -47,6 +47,7 @@ impl Reach {
     }
 
     /// How far `point` lies outside the bounds, m; zero or less where it may be reached.
+    #[inline(always)]
     pub fn excess(&self, point: [f64; 3]) -> f64 {
         let mut outside: f64 = f64::NEG_INFINITY;
         let mut distance2 = 0.0;

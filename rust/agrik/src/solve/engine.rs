@@ -4,16 +4,20 @@
 //! given the next one at once. With a one-lane number type this is an ordinary loop over
 //! targets.
 
+mod attempts;
 mod feedback;
 mod limit;
 mod runs;
 
 use smallvec::{SmallVec, smallvec};
 
+use self::attempts::Job;
 use self::feedback::{Halt, Memory};
-use self::limit::{Limit, limits, stand_in};
-use self::runs::{Place, Runs};
-use super::plan::{AnswersMut, INSIDE, Outcome, Plan, Status};
+use self::limit::{Limit, limits};
+use self::runs::Runs;
+use super::answers::AnswersMut;
+use super::plan::{INSIDE, Plan};
+use super::setup::Setup;
 use super::step::{dot, pulled, squared_norm};
 use crate::chain::{JointKind, Variable};
 use crate::kinematics::{PerJoint, Workspace, columns, forward};
@@ -38,7 +42,7 @@ pub fn run<'a, R: Real>(
     keep_going: &mut dyn FnMut() -> bool,
 ) -> bool {
     // Two loops in one source: feedback laws would slow the others down.
-    match (&plan.feedback, plan.task) {
+    match (&plan.setup().feedback, plan.setup().task) {
         (None, _) => run_task::<R, false>(plan, next, keep_going),
         (Some(_), Task::Position) => {
             Engine::<R, _, 3, true>::new(plan, PositionRows).run(next, keep_going)
@@ -63,8 +67,9 @@ fn run_task<'a, R: Real, const FEEDBACK: bool>(
     next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
     keep_going: &mut dyn FnMut() -> bool,
 ) -> bool {
-    let scale = plan.rotation_scale;
-    match plan.task {
+    let setup = plan.setup();
+    let scale = setup.rotation_scale;
+    match setup.task {
         Task::Position => {
             Engine::<R, _, 3, FEEDBACK>::new(plan, PositionRows).run(next, keep_going)
         }
@@ -72,11 +77,11 @@ fn run_task<'a, R: Real, const FEEDBACK: bool>(
             Engine::<R, _, 6, FEEDBACK>::new(plan, PoseRows { scale }).run(next, keep_going)
         }
         Task::Axis { tool_axis } => {
-            let axis = plan.tail.direction(tool_axis);
+            let axis = setup.tail.direction(tool_axis);
             Engine::<R, _, 5, FEEDBACK>::new(plan, AxisRows { scale, axis }).run(next, keep_going)
         }
         Task::Masked { weights, frame } => {
-            let rows = MaskedRows { scale, weights, frame, tool: plan.tail.rotation };
+            let rows = MaskedRows { scale, weights, frame, tool: setup.tail.rotation };
             Engine::<R, _, 6, FEEDBACK>::new(plan, rows).run(next, keep_going)
         }
     }
@@ -88,36 +93,9 @@ fn square<R: Real>(tolerance: f64) -> R {
     R::splat((tolerance * INSIDE) * (tolerance * INSIDE))
 }
 
-/// What a lane is busy with.
-#[derive(Debug, Clone)]
-struct Job {
-    /// Where its answer goes; `None` for an idle lane.
-    place: Option<Place>,
-    /// Row in the whole call, and its goal.
-    row: usize,
-    goal: Goal<f64>,
-    attempt: u32,
-    /// Steps of this attempt, and of all before it.
-    steps: u32,
-    steps_before: u32,
-    /// Proven out of reach: one attempt, for the nearest posture.
-    unreachable: bool,
-    /// The best end of an attempt so far.
-    best: Option<Best>,
-    best_q: PerJoint<f64>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Best {
-    squared: f64,
-    /// What the attempt ended with, where it is not told from all others.
-    status: Status,
-    position_error: f64,
-    orientation_error: f64,
-}
-
 struct Engine<'p, R: Real, T, const M: usize, const FEEDBACK: bool> {
     plan: &'p Plan<'p>,
+    setup: &'p Setup,
     rows: T,
     variables: &'p [Variable],
     limits: PerJoint<Limit>,
@@ -147,33 +125,25 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
 {
     #[inline(always)]
     fn new(plan: &'p Plan<'p>, rows: T) -> Self {
+        let setup = plan.setup();
+        let settings = &setup.settings;
         let variables = plan.chain.variables();
         let dof = variables.len();
-        let job = Job {
-            place: None,
-            row: 0,
-            goal: Goal::zero(),
-            attempt: 0,
-            steps: 0,
-            steps_before: 0,
-            unreachable: false,
-            best: None,
-            best_q: smallvec![0.0; dof],
-        };
         Self {
             plan,
+            setup,
             rows,
             variables,
             limits: limits(plan),
             has_continuous: variables.iter().any(|v| v.kind == JointKind::Continuous),
-            cap: plan.settings.max_iterations,
-            patient_cap: plan.settings.max_iterations.saturating_mul(if plan.settings.plain {
+            cap: settings.max_iterations,
+            patient_cap: settings.max_iterations.saturating_mul(if settings.plain {
                 1
             } else {
                 PATIENCE
             }),
-            near2: (NEAR * plan.rotation_scale).powi(2),
-            jobs: smallvec![job; R::WIDTH],
+            near2: (NEAR * setup.rotation_scale).powi(2),
+            jobs: smallvec![Job::idle(dof); R::WIDTH],
             q: smallvec![R::zero(); dof],
             reference: smallvec![R::zero(); dof],
             change: smallvec![R::zero(); dof],
@@ -181,7 +151,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             columns: smallvec![[R::zero(); M]; dof],
             workspace: Workspace::new(plan.chain.compiled()),
             goal: Goal::zero(),
-            memory: Memory::new(plan.feedback.as_ref(), dof),
+            memory: Memory::new(setup.feedback.as_ref(), dof),
             begin: smallvec![0.0; dof],
         }
     }
@@ -192,7 +162,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
         keep_going: &mut dyn FnMut() -> bool,
     ) -> bool {
-        let tolerance = self.plan.tolerance;
+        let tolerance = self.setup.tolerance;
         let position2 = square::<R>(tolerance.position);
         let orientation2 = square::<R>(tolerance.orientation);
         let all = ((1u64 << R::WIDTH) - 1) as u32;
@@ -255,7 +225,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
     fn evaluate(&mut self) -> TaskError<R, M> {
         let compiled = self.plan.chain.compiled();
         forward(compiled, &self.q, &mut self.workspace);
-        let tool = self.workspace.tool_point(self.plan.tail.translation);
+        let tool = self.workspace.tool_point(self.setup.tail.translation);
         self.rows.error(&self.workspace, tool, &self.goal)
     }
 
@@ -263,7 +233,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
     #[inline(always)]
     fn step(&mut self, error: &TaskError<R, M>, moving: u32) -> u32 {
         let compiled = self.plan.chain.compiled();
-        let tool = self.workspace.tool_point(self.plan.tail.translation);
+        let tool = self.workspace.tool_point(self.setup.tail.translation);
         if !compiled.simple {
             self.columns.fill([R::zero(); M]);
         }
@@ -284,13 +254,13 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                 *p = R::splat(*gain) * (R::splat(*to) - *q);
             }
         }
-        if !self.plan.settings.plain {
+        if !self.setup.settings.plain {
             self.hold(error);
         }
         if self.plan.pull.is_some() {
             pulled::step(&self.columns, &error.rows, &self.pull, &mut self.change);
         } else {
-            self.plan.settings.change(&self.columns, &error.rows, &mut self.change);
+            self.setup.settings.change(&self.columns, &error.rows, &mut self.change);
         }
         let squared = squared_norm(&error.rows);
         self.apply(moving, squared)
@@ -334,7 +304,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         for dq in &self.change {
             longest = longest.max(dq.abs());
         }
-        let scale = (R::splat(self.plan.settings.max_step) / longest).min(R::splat(1.0));
+        let scale = (R::splat(self.setup.settings.max_step) / longest).min(R::splat(1.0));
         let scale = R::select(R::mask_from_bits(moving), scale, R::zero());
         let mut moved = R::zero();
         for ((v, q), dq) in self.limits.iter().zip(&mut self.q).zip(&self.change) {
@@ -357,12 +327,12 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             job.steps += moving >> lane & 1;
         }
         // Written so that a step that is not a number counts as none.
-        if self.plan.settings.plain {
+        if self.setup.settings.plain {
             return moving & !R::bits(R::splat(STILL).lt(moved));
         }
-        let way = moved * R::splat(self.plan.rotation_scale);
+        let way = moved * R::splat(self.setup.rotation_scale);
         moving
-            & !R::bits((squared * R::splat(self.plan.settings.step.stall().powi(2))).lt(way * way))
+            & !R::bits((squared * R::splat(self.setup.settings.step.stall().powi(2))).lt(way * way))
     }
 
     /// Takes whole turns off continuous joints, to within half a turn of their reference.
@@ -374,136 +344,6 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                 let turns = ((*q - *reference) * R::splat(1.0 / TAU)).round();
                 *q = turns.mul_add(R::splat(-TAU), *q);
             }
-        }
-    }
-
-    /// How a lane's attempt ended.
-    #[inline(always)]
-    fn status(&self, lane: usize, solved: bool, halt: Halt) -> Status {
-        let plain = FEEDBACK || self.plan.settings.plain;
-        if solved {
-            Status::Converged
-        } else if plain && halt.broken >> lane & 1 != 0 {
-            Status::NonFinite
-        } else if plain && halt.stalled >> lane & 1 != 0 {
-            Status::Stalled
-        } else {
-            Status::NotFound
-        }
-    }
-
-    /// Ends a lane's attempt; true where the target gets another one.
-    #[inline(always)]
-    fn end_attempt(
-        &mut self,
-        lane: usize,
-        status: Status,
-        error: &TaskError<R, M>,
-        runs: &mut Runs<'_>,
-    ) -> bool {
-        let settings = &self.plan.settings;
-        let solved = status == Status::Converged;
-        let job = &mut self.jobs[lane];
-        let squared = squared_norm(&error.rows).lane(lane);
-        if solved || job.best.is_none_or(|best| squared < best.squared) {
-            let position_error = error.position2.lane(lane).sqrt();
-            let orientation_error = error.orientation2.lane(lane).sqrt();
-            // An attempt that ran into numbers without meaning is no answer.
-            if position_error.is_finite() && orientation_error.is_finite() {
-                job.best = Some(Best { squared, status, position_error, orientation_error });
-                for (to, from) in job.best_q.iter_mut().zip(&self.q) {
-                    *to = from.lane(lane);
-                }
-            }
-        }
-        if !solved && !job.unreachable && job.attempt < settings.max_restarts {
-            job.attempt += 1;
-            job.steps_before += job.steps;
-            job.steps = 0;
-            let (row, attempt, goal) = (job.row, job.attempt, job.goal);
-            self.start(lane, row, attempt, &goal);
-            return true;
-        }
-        let best = job.best.unwrap_or_else(|| {
-            job.best_q.iter_mut().zip(self.variables).for_each(|(x, v)| *x = stand_in(v));
-            Best {
-                squared: f64::INFINITY,
-                status,
-                position_error: f64::INFINITY,
-                orientation_error: f64::INFINITY,
-            }
-        });
-        let status = if !solved && job.unreachable { Status::OutOfReach } else { best.status };
-        let outcome = Outcome {
-            status,
-            position_error: best.position_error,
-            orientation_error: best.orientation_error,
-            iterations: job.steps_before + job.steps,
-            restarts: job.attempt,
-        };
-        if let Some(place) = job.place.take() {
-            runs.finish(place, outcome, job.best_q.iter().copied());
-        }
-        false
-    }
-
-    /// Gives a lane the next target that needs solving; false where none is left.
-    #[inline(always)]
-    fn refill<'a>(
-        &mut self,
-        lane: usize,
-        runs: &mut Runs<'a>,
-        next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
-    ) -> bool {
-        loop {
-            let Some((place, row)) = runs.next_row(next) else { return false };
-            let Some(goal) = self.plan.goal(row) else {
-                let outcome = Outcome {
-                    status: Status::BadInput,
-                    position_error: f64::INFINITY,
-                    orientation_error: f64::INFINITY,
-                    iterations: 0,
-                    restarts: 0,
-                };
-                runs.finish(place, outcome, self.variables.iter().map(stand_in));
-                continue;
-            };
-            self.goal.set_lane(lane, &goal);
-            let job = &mut self.jobs[lane];
-            job.place = Some(place);
-            job.row = row;
-            job.goal = goal;
-            job.attempt = 0;
-            job.steps = 0;
-            job.steps_before = 0;
-            job.unreachable = self.plan.proven_unreachable(&goal);
-            job.best = None;
-            self.start(lane, row, 0, &goal);
-            return true;
-        }
-    }
-
-    /// Puts a lane at the start of an attempt.
-    #[inline(always)]
-    fn start(&mut self, lane: usize, row: usize, attempt: u32, goal: &Goal<f64>) {
-        let given = self.plan.start(row);
-        let begin: &[f64] = match given {
-            Some(start) if attempt == 0 => start,
-            _ => {
-                self.plan.sampler.sample(row, attempt, goal, &mut self.begin);
-                &self.begin
-            }
-        };
-        for ((q, x), v) in self.q.iter_mut().zip(begin).zip(&self.limits) {
-            q.set_lane(lane, x.clamp(v.lower, v.upper));
-        }
-        if self.has_continuous {
-            for (i, reference) in self.reference.iter_mut().enumerate() {
-                reference.set_lane(lane, given.map_or(0.0, |start| start[i]));
-            }
-        }
-        if FEEDBACK {
-            self.memory.reset(self.plan.feedback.as_ref(), lane);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! A path of targets, one after the other: every posture continues the one before.
 
-use super::plan::{Answers, INSIDE, Outcome, Plan, Status};
+use super::answers::{Answers, Outcome, Status};
+use super::plan::{INSIDE, Plan};
 use super::population::Stream;
 use super::{Settings, Solve};
 use crate::chain::JointKind;
@@ -94,7 +95,7 @@ impl<'a> Follow<'a> {
                 Some(at) => q.copy_from_slice(at),
                 None => {
                     for (x, v) in q.iter_mut().zip(plan.chain.variables()) {
-                        *x = 0.0f64.clamp(v.lower, v.upper);
+                        *x = v.near_zero();
                     }
                 }
             }
@@ -142,9 +143,7 @@ impl Walker<'_> {
         if found.is_none() {
             let middle: Vec<f64> = match &self.at {
                 Some(at) => at.clone(),
-                None => {
-                    plan.chain.variables().iter().map(|v| 0.0f64.clamp(v.lower, v.upper)).collect()
-                }
+                None => plan.chain.near_zero(),
             };
             let mut starts = middle.clone();
             for _ in 1..OTHERS {
@@ -232,7 +231,7 @@ impl Walker<'_> {
             if nearer && inside {
                 forward(plan.chain.compiled(), q, &mut self.workspace);
                 let (position2, orientation2) = plan.errors(&self.workspace, goal);
-                let tolerance = plan.tolerance;
+                let tolerance = plan.setup().tolerance;
                 if position2 <= (tolerance.position * INSIDE).powi(2)
                     && orientation2 <= (tolerance.orientation * INSIDE).powi(2)
                 {

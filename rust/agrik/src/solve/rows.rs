@@ -1,7 +1,8 @@
 //! What a batch asks of a solver: to fill the rows that it is handed.
 
+use super::answers::AnswersMut;
 use super::engine;
-use super::plan::{AnswersMut, Plan};
+use super::plan::Plan;
 use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
 
 /// A call ready to be solved, run by run of its rows, on any number of threads.

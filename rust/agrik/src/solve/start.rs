@@ -6,7 +6,7 @@ use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
 use crate::chain::{BLOCK, Chain, FEATURES, JointKind, Places, Postures};
 use crate::kinematics::tool_poses;
-use crate::lanes::dot;
+use crate::lanes::{dot, sub};
 use crate::task::{Goal, pose_goal, pose_parts};
 
 /// Postures in the part of a chain's table that is sorted by place, and in the part that
@@ -132,7 +132,7 @@ impl<'a> Sampler<'a> {
     fn distance(&self, goal: &Goal<f64>) -> (f32, [f32; FEATURES]) {
         let Ranking { shift, axes, direction: (along, turned), .. } = self.ranking;
         let middle = self.postures.places.middle;
-        let p = [0, 1, 2].map(|k| goal.position[k] - middle[k]);
+        let p = sub(goal.position, middle);
         let mut factors = [0.0; FEATURES];
         factors[0] = 1.0;
         for k in 0..3 {

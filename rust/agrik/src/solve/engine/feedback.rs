@@ -3,9 +3,11 @@
 //! Without optimisation everything inlined would share one huge stack frame, so a debug
 //! build keeps the laws apart.
 
+use smallvec::{SmallVec, smallvec};
+
 use super::{Engine, STILL, square};
 use crate::chain::JointKind;
-use crate::kinematics::forward;
+use crate::kinematics::{PerJoint, forward};
 use crate::lanes::{Real, atan2, axpy, cross, dot, scale, sub};
 use crate::solve::step::{Feedback, Pid, PidOrder, Sparse, squared_norm};
 use crate::task::{Rows, TaskError};
@@ -15,6 +17,8 @@ const SETTLED: f64 = 1e-12;
 /// Share of the reach by which the error must shrink for a try of IK-PID to count: less is
 /// the rounding of a joint that does not move the tool.
 const ROUNDING: f64 = 1e-14;
+/// Entries of a matrix that are held without an allocation: of six rows and up to ten joints.
+const GAINS: usize = 64;
 
 /// Lanes whose attempt ends because nothing more will come of it.
 #[derive(Debug, Clone, Copy, Default)]
@@ -29,11 +33,11 @@ pub(super) struct Halt {
 #[derive(Debug, Clone)]
 pub(super) struct Memory<R, const M: usize> {
     /// State of a state space.
-    state: Vec<R>,
-    next_state: Vec<R>,
+    state: PerJoint<R>,
+    next_state: PerJoint<R>,
     /// Broyden's matrix, row by row, with the step and error before.
-    gain: Vec<R>,
-    change: Vec<R>,
+    gain: SmallVec<[R; GAINS]>,
+    change: PerJoint<R>,
     rows: [R; M],
     /// 1 where a step was taken in this attempt, else 0.
     stepped: R,
@@ -55,10 +59,10 @@ impl<R: Real, const M: usize> Memory<R, M> {
         };
         let zero = R::zero();
         Self {
-            state: vec![zero; states],
-            next_state: vec![zero; states],
-            gain: vec![zero; gains],
-            change: vec![zero; if gains > 0 { dof } else { 0 }],
+            state: smallvec![zero; states],
+            next_state: smallvec![zero; states],
+            gain: smallvec![zero; gains],
+            change: smallvec![zero; if gains > 0 { dof } else { 0 }],
             rows: [zero; M],
             stepped: zero,
             best: zero,
@@ -109,8 +113,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
     #[inline(always)]
     pub(super) fn feedback_step(&mut self, error: &TaskError<R, M>, moving: u32) -> Halt {
         let mask = R::mask_from_bits(moving);
-        let plan = self.plan;
-        let halt = match &plan.feedback {
+        let halt = match &self.setup.feedback {
             Some(Feedback::StateSpace { a, b, c }) => self.state_space(a, b, c, error, mask),
             Some(Feedback::Static { gain }) => self.static_gain(gain, error, mask),
             Some(Feedback::Broyden { gain, patience }) => {
@@ -256,14 +259,14 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn pid(&mut self, pid: &Pid, error: &TaskError<R, M>, mask: R::Mask) -> Halt {
         let compiled = self.plan.chain.compiled();
-        let tolerance = self.plan.tolerance;
+        let tolerance = self.setup.tolerance;
         let (position2, orientation2) = (square(tolerance.position), square(tolerance.orientation));
         let rounding = R::splat(ROUNDING * self.plan.chain.reach().radius);
         let dof = self.q.len();
         // Turning the tool about one axis moves no axis before it, so a sweep from the tip
         // needs one pass of forward kinematics.
         let full = pid.full_passes || pid.order == PidOrder::BaseFirst || !compiled.simple;
-        let mut tip = self.workspace.tool_point(self.plan.tail.translation);
+        let mut tip = self.workspace.tool_point(self.setup.tail.translation);
         let mut axes = self.workspace.joint_axes();
         let mut length = squared_norm(&error.rows).sqrt();
         let memory = &mut self.memory;
@@ -295,7 +298,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
                 let (point, turned) = if full {
                     self.q[joint] = to;
                     forward(compiled, &self.q, &mut self.workspace);
-                    let point = self.workspace.tool_point(self.plan.tail.translation);
+                    let point = self.workspace.tool_point(self.setup.tail.translation);
                     (point, self.workspace.joint_axes())
                 } else {
                     self.swing(joint, to - q, tip, axes)
@@ -357,7 +360,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn descent(&mut self, mask: R::Mask) -> Halt {
         let compiled = self.plan.chain.compiled();
-        let mut tip = self.workspace.tool_point(self.plan.tail.translation);
+        let mut tip = self.workspace.tool_point(self.setup.tail.translation);
         let axes = self.workspace.joint_axes();
         let mut moved = R::zero();
         for joint in (0..self.q.len()).rev() {
@@ -414,7 +417,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
     fn newton(&mut self, joint: usize) -> R {
         let compiled = self.plan.chain.compiled();
         forward(compiled, &self.q, &mut self.workspace);
-        let tip = self.workspace.tool_point(self.plan.tail.translation);
+        let tip = self.workspace.tool_point(self.setup.tail.translation);
         let mut column = [R::zero(); 3];
         crate::kinematics::columns(compiled, &self.workspace, tip, |variable, linear, _| {
             if variable == joint {

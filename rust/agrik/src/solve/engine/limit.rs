@@ -31,8 +31,3 @@ pub(super) fn limits(plan: &Plan<'_>) -> PerJoint<Limit> {
         }
     }
 }
-
-/// A value inside a joint's limits that stands in for an answer where there is none.
-pub(super) fn stand_in(v: &Variable) -> f64 {
-    0.0f64.clamp(v.lower, v.upper)
-}

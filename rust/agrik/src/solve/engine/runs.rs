@@ -2,7 +2,7 @@
 
 use smallvec::SmallVec;
 
-use crate::solve::plan::{AnswersMut, Outcome};
+use crate::solve::answers::{AnswersMut, Outcome};
 
 /// The runs in work, one to a slot.
 pub(super) struct Runs<'a>(SmallVec<[Option<Open<'a>>; 2]>);
@@ -25,6 +25,7 @@ impl<'a> Runs<'a> {
 
     /// The next row of the open runs (its place, and its number in the whole call), from
     /// another run where they are used up.
+    #[inline(always)]
     pub fn next_row(
         &mut self,
         next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
@@ -49,6 +50,7 @@ impl<'a> Runs<'a> {
     }
 
     /// Writes the answer of a row, and lets its run go with the last one.
+    #[inline(always)]
     pub fn finish(&mut self, (slot, i): Place, outcome: Outcome, q: impl Iterator<Item = f64>) {
         let Some(open) = &mut self.0[slot] else { return };
         for (to, from) in open.run.finish(i, outcome).iter_mut().zip(q) {

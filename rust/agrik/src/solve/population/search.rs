@@ -8,7 +8,8 @@ use super::settings::Settings;
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, forward};
 use crate::lanes::{Kernel, Level, Real, dispatch};
-use crate::solve::plan::{Answers, AnswersMut, INSIDE, Outcome, Plan, Status};
+use crate::solve::answers::{Answers, AnswersMut, Outcome, Status};
+use crate::solve::plan::{INSIDE, Plan};
 use crate::solve::{Solve, step};
 use crate::task::Goal;
 
@@ -37,9 +38,10 @@ pub struct Evolution<'a> {
 impl<'a> Evolution<'a> {
     /// A checked search.
     pub fn new(plan: Plan<'a>, settings: Settings) -> Result<Self> {
-        settings.check_for(&plan.task)?;
-        let orientation_weight =
-            settings.orientation_weight.unwrap_or(settings.position_weight * plan.rotation_scale);
+        settings.check_for(&plan.setup().task)?;
+        let orientation_weight = settings
+            .orientation_weight
+            .unwrap_or(settings.position_weight * plan.setup().rotation_scale);
         Ok(Self { plan, settings, orientation_weight })
     }
 
@@ -63,14 +65,15 @@ impl<'a> Evolution<'a> {
         let start = plan.starts.row(row, plan.chain.dof());
         let weight = self.settings.start_weight;
         TaskFitness {
-            task: plan.task,
+            task: plan.setup().task,
             orientation: self.settings.orientation,
             position_weight: self.settings.position_weight,
             orientation_weight: self.orientation_weight,
-            tail: plan.tail,
-            plain_tail: plan.tail.rotation == [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            tail: plan.setup().tail,
+            plain_tail: plan.setup().tail.rotation
+                == [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             goal: lanes,
-            target: EulerGoal::of(tool_axes(goal, &plan.tail.rotation)),
+            target: EulerGoal::of(tool_axes(goal, &plan.setup().tail.rotation)),
             start: start.filter(|_| weight > 0.0).map(|q| (weight, q)),
         }
     }
@@ -248,7 +251,7 @@ impl<'e, R: Real> Search<'e, R> {
     fn forget(&mut self) {
         let variables = self.evolution.plan.chain.variables();
         for (x, v) in self.found.q.iter_mut().zip(variables) {
-            *x = 0.0f64.clamp(v.lower, v.upper);
+            *x = v.near_zero();
         }
         self.found.squared = f64::INFINITY;
         self.found.reached = false;
@@ -338,14 +341,16 @@ impl<'e, R: Real> Search<'e, R> {
         let plan = &self.evolution.plan;
         forward(plan.chain.compiled(), &self.q, &mut self.workspace);
         let (position2, orientation2) = plan.errors(&self.workspace, goal);
-        let tolerance = plan.tolerance;
+        let tolerance = plan.setup().tolerance;
         let reached = position2 <= (tolerance.position * INSIDE).powi(2)
             && orientation2 <= (tolerance.orientation * INSIDE).powi(2);
         let squared = match start {
             Some(start) if reached => {
                 self.q.iter().zip(start).map(|(x, s)| (x - s) * (x - s)).sum()
             }
-            _ => position2 + plan.rotation_scale * plan.rotation_scale * orientation2,
+            _ => {
+                position2 + plan.setup().rotation_scale * plan.setup().rotation_scale * orientation2
+            }
         };
         let better = match (reached, self.found.reached) {
             (true, false) => true,

@@ -375,7 +375,7 @@ fn about_middle(chain: &Chain) -> impl Iterator<Item = Vec<f64>> {
 pub fn middle(chain: &Chain) -> Vec<f64> {
     let value = |v: &crate::chain::Variable| {
         let middle = 0.5 * (v.lower + v.upper);
-        if middle.is_finite() { middle } else { 0.0f64.clamp(v.lower, v.upper) }
+        if middle.is_finite() { middle } else { v.near_zero() }
     };
     chain.variables().iter().map(value).collect()
 }
