@@ -72,6 +72,9 @@ impl<'a> Plan<'a> {
         first_index: u64,
     ) -> Result<Self> {
         let dof = chain.dof();
+        if setup.dof != dof {
+            return Err(Error::argument("setup", format!("one of {dof} joint values"), setup.dof));
+        }
         let (given, wanted) = match starts {
             Starts::Free => (0, 0),
             Starts::One(q) => (q.len(), dof),

@@ -51,6 +51,8 @@ pub struct Setup {
     pub(super) usual_start: Option<Vec<f64>>,
     pub(super) ranking: Ranking,
     pub(super) tool_reach: Reach,
+    /// Joint values of the chain that it was made for.
+    pub(super) dof: usize,
 }
 
 impl Setup {
@@ -89,6 +91,7 @@ impl Setup {
             usual_start,
             ranking,
             tool_reach,
+            dof: chain.dof(),
         })
     }
 }
@@ -104,4 +107,51 @@ fn ranking(task: &Task, own: &Tail, tail: &Tail, rotation_scale: f64) -> Ranking
     };
     let shift = [0, 1, 2].map(|k| tail.translation[k] - own.translation[k]);
     Ranking { placed: task.fixes_position(), shift, axes, direction }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::IsometryMatrix3;
+
+    use super::*;
+    use crate::batch;
+    use crate::chain::{DhConvention, DhRow, JointKind};
+    use crate::solve::{Goals, Plan, Starts};
+
+    fn arm(joints: usize) -> Chain {
+        let joints = (0..joints).map(|i| {
+            let row = DhRow { a: 0.3, alpha: 1.2, d: 0.1, theta: 0.0 };
+            let (kind, end) = (JointKind::Revolute, 2.0);
+            row.joint(DhConvention::Standard, format!("joint_{i}"), kind, -end, end)
+        });
+        let none = IsometryMatrix3::identity();
+        Chain::new("arm", joints.collect(), none, none, None).expect("a chain")
+    }
+
+    #[test]
+    fn a_setup_serves_many_calls_of_its_chain() {
+        let chain = arm(4);
+        let points = [[0.4, 0.3, 0.5], [0.1, -0.5, 0.6]];
+        let goals = Goals::Positions { points: &points, direction: None };
+        // The state space need not get there, but has to do the same each time.
+        for (settings, solves) in
+            [(Settings::LEVENBERG_MARQUARDT, true), (Settings::STATE_SPACE, false)]
+        {
+            let (task, tolerance) = (Task::Position, Tolerance::default());
+            let setup = Setup::new(&chain, task, settings.clone(), tolerance, None).expect("valid");
+            let whole =
+                Plan::new(&chain, task, settings, tolerance, goals, Starts::Free, None, 3, 1)
+                    .expect("valid");
+            let wanted = batch::solve(&whole, 1, &mut || true).expect("not interrupted");
+            assert!(!solves || wanted.success(0) && wanted.success(1), "{:?}", wanted.status);
+            for _ in 0..2 {
+                let call = Plan::with_setup(&chain, &setup, goals, Starts::Free, 3, 1);
+                let call = call.expect("valid");
+                assert_eq!(batch::solve(&call, 1, &mut || true).expect("not interrupted"), wanted);
+            }
+            let other = Plan::with_setup(&arm(5), &setup, goals, Starts::Free, 3, 1).map(|_| ());
+            let said = other.expect_err("made for another chain").to_string();
+            assert!(said.contains("setup") && said.contains('4') && said.contains('5'), "{said}");
+        }
+    }
 }
