@@ -57,7 +57,8 @@ impl Places {
         let mut places = Self { middle, low, cells_per_metre, block: vec![0; CELLS] };
 
         // A counting sort by the cells' places on the curve.
-        let at: Vec<usize> = points.iter().map(|p| hilbert(places.cell(*p))).collect();
+        let curve: Vec<usize> = (0..CELLS).map(|i| hilbert(cell_of(i))).collect();
+        let at: Vec<usize> = points.iter().map(|p| curve[places.index(*p)]).collect();
         let mut first = vec![0; CELLS + 1];
         for h in &at {
             first[h + 1] += 1;
@@ -65,8 +66,7 @@ impl Places {
         for h in 0..CELLS {
             first[h + 1] += first[h];
         }
-        for (i, block) in places.block.iter_mut().enumerate() {
-            let h = hilbert(cell_of(i));
+        for (block, h) in places.block.iter_mut().zip(curve) {
             *block = ((first[h] + first[h + 1]) / (2 * BLOCK)) as u16;
         }
         let mut order = vec![0; points.len()];
@@ -80,17 +80,16 @@ impl Places {
     /// The block of the table where the postures nearest to a place are.
     #[inline(always)]
     pub fn block(&self, place: [f64; 3]) -> usize {
-        let [x, y, z] = self.cell(place);
-        usize::from(self.block[(x | y << BITS | z << (2 * BITS)) as usize])
+        usize::from(self.block[self.index(place)])
     }
 
-    /// The cell of a place, or the one nearest to it.
+    /// Index of the cell of a place, or of the one nearest to it.
     #[inline(always)]
-    fn cell(&self, p: [f64; 3]) -> [u32; 3] {
+    fn index(&self, p: [f64; 3]) -> usize {
         let last = f64::from((1u32 << BITS) - 1);
         let along =
-            |k: usize| ((p[k] - self.low[k]) * self.cells_per_metre[k]).max(0.0).min(last) as u32;
-        [along(0), along(1), along(2)]
+            |k: usize| ((p[k] - self.low[k]) * self.cells_per_metre[k]).max(0.0).min(last) as usize;
+        along(0) | along(1) << BITS | along(2) << (2 * BITS)
     }
 }
 
