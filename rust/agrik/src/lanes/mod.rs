@@ -15,7 +15,7 @@ mod x86;
 
 pub use dispatch::{Kernel, Level, VARIABLE, dispatch, dispatch_single};
 pub use trig::sin_cos_by_quadrant;
-pub(crate) use trig::{angle_over_sine, atan2, atan2_each};
+pub(crate) use trig::{CHORD2, angle_over_sine, atan2, atan2_each, squared_angles, turns_each};
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -148,6 +148,13 @@ pub fn scale<R: Real>(a: V3<R>, s: R) -> V3<R> {
 #[inline(always)]
 pub fn blend<R: Real>(a: V3<R>, s: R, b: V3<R>, t: R) -> V3<R> {
     axpy(a, s, scale(b, t))
+}
+
+/// `a * s - b * t`
+#[inline(always)]
+pub fn difference<R: Real>(a: V3<R>, s: R, b: V3<R>, t: R) -> V3<R> {
+    let a = scale(a, s);
+    [b[0].neg_mul_add(t, a[0]), b[1].neg_mul_add(t, a[1]), b[2].neg_mul_add(t, a[2])]
 }
 
 /// `-a`
