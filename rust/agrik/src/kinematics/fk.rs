@@ -152,13 +152,21 @@ fn after_each<R: Real, const N: usize>(
     mut frame: Frame<R>,
 ) -> Frame<R> {
     let mut angles = [R::zero(); N];
-    for (angle, link) in angles.iter_mut().zip(links) {
-        let offset = R::splat(link.theta);
-        *angle = if link.prismatic { offset } else { value_of(chain, link, q) + offset };
+    match q.first_chunk::<N>() {
+        Some(q) if chain.plain && chain.dof == N => {
+            for i in 0..N {
+                angles[i] = q[i] + R::splat(links[i].theta);
+            }
+        }
+        _ => {
+            for i in 0..N {
+                angles[i] = angle_of(chain, &links[i], q);
+            }
+        }
     }
-    let turns = turns_each(angles);
-    for (link, turn) in links.iter().zip(turns) {
-        frame = over(chain, link, q, turn, frame);
+    let (sines, cosines) = turns_each(&angles);
+    for i in 0..N {
+        frame = over(chain, &links[i], q, [sines[i], cosines[i]], frame);
     }
     frame
 }
@@ -218,6 +226,13 @@ fn value_of<R: Real>(chain: &Compiled, link: &Link, q: &[R]) -> R {
     if chain.simple { value } else { value * R::splat(link.multiplier) }
 }
 
+/// A joint's angle.
+#[inline(always)]
+fn angle_of<R: Real>(chain: &Compiled, link: &Link, q: &[R]) -> R {
+    let offset = R::splat(link.theta);
+    if link.prismatic { offset } else { value_of(chain, link, q) + offset }
+}
+
 /// Sine and cosine of a joint's angle.
 #[inline(always)]
 fn turn_of<R: Real>(chain: &Compiled, link: &Link, q: &[R]) -> [R; 2] {
@@ -225,7 +240,7 @@ fn turn_of<R: Real>(chain: &Compiled, link: &Link, q: &[R]) -> [R; 2] {
         let (s, c) = link.theta_sin_cos;
         (R::splat(s), R::splat(c))
     } else {
-        (value_of(chain, link, q) + R::splat(link.theta)).sin_cos()
+        angle_of(chain, link, q).sin_cos()
     };
     [s, c]
 }
@@ -250,23 +265,22 @@ fn over<R: Real>(
     if link.a.to_bits() != 0 {
         p = axpy(x, R::splat(link.a), p);
     }
-    // The other turned axis as it is needed, this way round or that.
-    let turned = || blend(y0, c, x0, -s);
+    // The other turned axis this way round or that, as it is needed.
     let y;
     match link.twist {
-        Twist::Zero => y = turned(),
+        Twist::Zero => y = blend(y0, c, x0, -s),
         Twist::Half => {
             y = difference(x0, s, y0, c);
             z = negate(z);
         }
         Twist::Quarter => (y, z) = (z, difference(x0, s, y0, c)),
         Twist::Angle(sine, cosine) => {
+            let across = blend(y0, c, x0, -s);
             let (s, c) = (R::splat(sine), R::splat(cosine));
-            let across = turned();
             (y, z) = (blend(across, c, z, s), blend(z, c, across, -s));
         }
         Twist::Full(columns) => {
-            let axes = [x, turned(), z];
+            let axes = [x, blend(y0, c, x0, -s), z];
             p = axpy(axes[1], R::splat(link.b), p);
             x = turn(axes, columns[0]);
             y = turn(axes, columns[1]);

@@ -93,7 +93,7 @@ pub fn sin_cos_by_quadrant<R: Real>(x: R) -> (R, R, R) {
 /// hide one another's waiting.
 #[inline(always)]
 fn horner_each<R: Real, const N: usize, const M: usize>(
-    x: [R; N],
+    x: &[R; N],
     coefficients: [f64; M],
 ) -> [R; N] {
     let mut sum = [R::splat(coefficients[0]); N];
@@ -110,7 +110,7 @@ fn horner_each<R: Real, const N: usize, const M: usize>(
 /// those who look at many postures roughly. Near their zeros they lack digits that
 /// [`Real::sin_cos`] has, at two thirds of its price.
 #[inline(always)]
-pub(crate) fn turns_each<R: Real, const N: usize>(x: [R; N]) -> [[R; 2]; N] {
+pub(crate) fn turns_each<R: Real, const N: usize>(x: &[R; N]) -> ([R; N], [R; N]) {
     use std::f64::consts::TAU;
     // `sqrt(2) sin(r / 2) / r` and `sqrt(2) cos(r / 2)` in powers of r^2 for |r| <= pi, of
     // which double angles make sine and cosine without a choice between quadrants:
@@ -136,21 +136,21 @@ pub(crate) fn turns_each<R: Real, const N: usize>(x: [R; N]) -> [[R; 2]; N] {
         -1.767_766_952_966_367_8e-1,
         1.414_213_562_373_095_1,
     ];
-    let mut r = x;
-    let mut squared = x;
+    let mut r = *x;
+    let mut squared = *x;
     for i in 0..N {
         let turns = round_small(x[i] * R::splat(1.0 / TAU));
         r[i] = turns.neg_mul_add(R::splat(TAU), x[i]);
         squared[i] = r[i] * r[i];
     }
-    let sin = horner_each(squared, SIN);
-    let cos = horner_each(squared, COS);
-    let mut turns = [[R::zero(); 2]; N];
+    let mut sin = horner_each(&squared, SIN);
+    let mut cos = horner_each(&squared, COS);
     for i in 0..N {
         let half = sin[i] * r[i];
-        turns[i] = [half * cos[i], half.neg_mul_add(half, R::splat(1.0))];
+        sin[i] = half * cos[i];
+        cos[i] = half.neg_mul_add(half, R::splat(1.0));
     }
-    turns
+    (sin, cos)
 }
 
 /// Squared angles between directions of unit length whose squared distance is known and at
@@ -170,7 +170,7 @@ pub(crate) fn squared_angles<R: Real, const N: usize>(chord2: [R; N]) -> [R; N] 
         0.083_333_333_333_365_07,
         1.0,
     ];
-    let ratio = horner_each(chord2, RATIO);
+    let ratio = horner_each(&chord2, RATIO);
     let mut squared = chord2;
     for i in 0..N {
         squared[i] *= ratio[i];
@@ -257,7 +257,7 @@ pub(crate) fn atan2_each<R: Real, const N: usize>(y: [R; N], x: [R; N]) -> [R; N
         base[i] = R::select(upper, R::splat(FRAC_PI_4), R::zero());
         z[i] = t[i] * t[i];
     }
-    let sum = horner_each(z, ATAN);
+    let sum = horner_each(&z, ATAN);
     let mut out = zero;
     for i in 0..N {
         let angle = base[i] + (t[i] - t[i] * (z[i] * sum[i]));

@@ -14,6 +14,7 @@ mod genetic;
 mod lshade;
 mod progress;
 mod random;
+mod rows;
 mod run;
 mod search;
 mod settings;
