@@ -90,10 +90,8 @@ pub struct Compiled {
     pub dof: usize,
     /// Each moving joint has an entry of its own, in order, with factor 1.
     pub simple: bool,
-    /// [`Compiled::simple`], and each joint turns about an axis that meets the one before at
-    /// a right angle: arms of a shoulder, an elbow and a wrist without offsets are of this
-    /// kind.
-    pub crossed: bool,
+    /// [`Compiled::simple`], and all joints turn.
+    pub plain: bool,
 }
 
 /// Columns of a rotation matrix.
@@ -176,10 +174,6 @@ impl Compiled {
         let tail = pending * tool;
         let simple = links.len() == variables.len()
             && links.iter().enumerate().all(|(i, l)| l.variable == i && l.multiplier == 1.0);
-        let before_last = links.len().saturating_sub(1);
-        let crossed = simple
-            && links.iter().all(|l| !l.prismatic && l.a == 0.0)
-            && links[..before_last].iter().all(|l| l.twist == Twist::Quarter);
         // `connect` may have changed the angle of a link after it was pushed.
         for link in &mut links {
             link.theta_sin_cos = link.theta.sin_cos();
@@ -192,7 +186,7 @@ impl Compiled {
                 rotation: columns(tail.rotation.matrix()),
             },
             dof: variables.len(),
-            crossed,
+            plain: simple && links.iter().all(|l| !l.prismatic),
             simple,
             links,
         })

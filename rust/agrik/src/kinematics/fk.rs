@@ -133,12 +133,6 @@ pub fn forward_frame<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspa
 #[inline(always)]
 fn last_frame<R: Real, const N: usize>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
     let (groups, rest) = chain.links.as_chunks::<N>();
-    if let ([links], [], Some(q)) = (groups, rest, q.first_chunk::<N>())
-        && chain.crossed
-    {
-        workspace.frame = crossed_frame(chain, links, q);
-        return;
-    }
     let mut frame = Frame::start(chain);
     for group in groups {
         frame = after_each(chain, group, q, frame);
@@ -158,38 +152,23 @@ fn after_each<R: Real, const N: usize>(
     mut frame: Frame<R>,
 ) -> Frame<R> {
     let mut angles = [R::zero(); N];
-    for i in 0..N {
-        angles[i] = angle_of(chain, &links[i], q);
+    match q.first_chunk::<N>() {
+        Some(q) if chain.plain && chain.dof == N => {
+            for i in 0..N {
+                angles[i] = q[i] + R::splat(links[i].theta);
+            }
+        }
+        _ => {
+            for i in 0..N {
+                angles[i] = angle_of(chain, &links[i], q);
+            }
+        }
     }
     let (sines, cosines) = turns_each(&angles);
     for i in 0..N {
         frame = over(chain, &links[i], q, [sines[i], cosines[i]], frame);
     }
     frame
-}
-
-/// The last frame of a chain that is [`Compiled::crossed`]: nothing is asked on the way,
-/// so the loop is unrolled and its axes change their names for nothing.
-#[inline(always)]
-fn crossed_frame<R: Real, const N: usize>(
-    chain: &Compiled,
-    links: &[Link; N],
-    q: &[R; N],
-) -> Frame<R> {
-    let mut angles = [R::zero(); N];
-    for i in 0..N {
-        angles[i] = q[i] + R::splat(links[i].theta);
-    }
-    let (sines, cosines) = turns_each(&angles);
-    let Frame { mut x, mut y, mut z, position: mut p } = Frame::start(chain);
-    for i in 0..N - 1 {
-        let (s, c) = (sines[i], cosines[i]);
-        p = axpy(z, R::splat(links[i].d), p);
-        (x, y, z) = (blend(x, c, y, s), z, difference(x, s, y, c));
-    }
-    let (s, c) = (sines[N - 1], cosines[N - 1]);
-    (x, y) = (blend(x, c, y, s), blend(y, c, x, -s));
-    Frame { x, y, z, position: p }
 }
 
 /// The frame of a joint while a pass goes along the chain: its axes and its origin.
