@@ -323,4 +323,33 @@ mod tests {
         }
         assert_eq!(angle_over_sine(1.0), 1.0);
     }
+
+    #[test]
+    fn turns_in_step_are_within_what_is_said() {
+        let mut worst: f64 = 0.0;
+        let mut x = -4.0 * std::f64::consts::PI;
+        while x < 4.0 * std::f64::consts::PI {
+            let (sin, cos) = turns_each(&[x, -0.5 * x, 1.0]);
+            for (i, x) in [x, -0.5 * x, 1.0].into_iter().enumerate() {
+                worst = worst.max((sin[i] - x.sin()).abs()).max((cos[i] - x.cos()).abs());
+            }
+            x += 1.37e-4;
+        }
+        assert!(worst <= 1e-15, "worst {worst}");
+        assert_eq!(turns_each(&[0.0]), ([0.0], [1.0]));
+    }
+
+    #[test]
+    fn squared_angles_come_from_chords() {
+        let mut largest: f64 = 0.0;
+        for i in 1..=7000 {
+            let angle = f64::from(i) * 1e-4;
+            let chord2 = 4.0 * (0.5 * angle).sin().powi(2);
+            let [near, tiny] = squared_angles([chord2, 1e-20 * chord2]);
+            assert!((near / (angle * angle) - 1.0).abs() < 1e-15, "{angle}");
+            assert!((tiny / (1e-20 * chord2) - 1.0).abs() < 1e-15);
+            largest = largest.max(chord2);
+        }
+        assert!(largest < CHORD2 && largest > 0.9 * CHORD2);
+    }
 }

@@ -391,11 +391,22 @@ mod tests {
         let (size, i) = (6, 2usize);
         let mut stream = Stream::new(0);
         let mut counts = [[0u32; 6]; 6];
+        let mut genes = [[0u32; 7]; 6];
         for _ in 0..20_000 {
-            let a: f64 = skip(below(size - 1, &mut stream), i as f64);
+            let word: u64 = stream.words();
+            let (a, rest) = below::<f64>(size - 1, word);
+            let a = skip(a, i as f64);
             let (low, high) = (a.min(i as f64), a.max(i as f64));
-            let b = skip(skip(below(size - 2, &mut stream), low), high);
+            let (b, _) = below::<f64>(size - 2, word >> 32);
+            let b = skip(skip(b, low), high);
             counts[a as usize][b as usize] += 1;
+            // What the choice of the first leaves chooses the gene that is always taken.
+            let (forced, _) = below::<f64>(7, rest);
+            genes[a as usize][forced as usize] += 1;
+        }
+        for (a, row) in genes.iter().enumerate() {
+            let expected = if a == i { 0..1 } else { 460..690 };
+            assert!(row.iter().all(|count| expected.contains(count)), "{a} {row:?}");
         }
         for (a, row) in counts.iter().enumerate() {
             for (b, &count) in row.iter().enumerate() {
@@ -403,6 +414,38 @@ mod tests {
                     assert_eq!(count, 0);
                 } else {
                     assert!((800..1200).contains(&count), "{a} {b} {count}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn genes_are_taken_at_their_rate() {
+        let rules = (Mutation::Best1, Boundary::Clamp);
+        let mut stream = Stream::new(8);
+        for dof in [1, 3, 6, 7, 11] {
+            let ranges = vec![Gene { lower: -9.0, upper: 9.0, turns: false }.range(); dof];
+            let (parents, best, none) = (vec![0.0; dof], vec![1.0; dof], vec![0.0; dof]);
+            let parts = Parts { weight: 0.5, best: &best, base: &none, difference: &none };
+            for rate in [0.0, 0.25, 0.739_583, 1.0, 1.1] {
+                let mut taken = vec![0u32; dof];
+                for trial in 0..8000u64 {
+                    let forced = trial % dof as u64;
+                    let mut made = vec![-1.0; dof];
+                    cross(rules, &parts, (rate, forced), &parents, &ranges, &mut stream, &mut made);
+                    assert_eq!(made[forced as usize], 1.0);
+                    for (taken, made) in taken.iter_mut().zip(&made) {
+                        assert!(*made == 0.0 || *made == 1.0);
+                        *taken += u32::from(*made == 1.0);
+                    }
+                }
+                // Five deviations; rates of nothing and of all are exact.
+                let forced = 1.0 / dof as f64;
+                let chance = forced + (1.0 - forced) * rate.min(1.0);
+                let spread = 5.0 * (rate * (1.0 - rate)).max(0.0).sqrt() * 8000f64.sqrt();
+                for count in taken {
+                    let off = (f64::from(count) - 8000.0 * chance).abs();
+                    assert!(off <= spread + 1.0, "{dof} genes, rate {rate}: {count}");
                 }
             }
         }

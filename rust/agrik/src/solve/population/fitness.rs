@@ -182,3 +182,30 @@ impl<R: Real> Fitness<R> for TaskFitness<'_, R> {
         R::splat(weight).mul_add(way2.sqrt(), error)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{PI, TAU};
+
+    #[test]
+    fn differences_of_angles_are_wrapped_and_squared() {
+        let turn = |angle: f64| (angle.cos(), angle.sin());
+        for i in -60..=60 {
+            for j in [-3.1, -1.0, 0.0, 0.4, 2.9] {
+                for tiny in [0.0, 1e-9, 0.02] {
+                    let (got, wanted) = (f64::from(i) * 0.05 + tiny, j);
+                    let apart = |a: f64, b: f64| (a - b) - TAU * ((a - b) / TAU).round();
+                    let expected = apart(got, wanted).powi(2) + tiny * tiny;
+                    let sum =
+                        summed_squares([turn(got), turn(0.3 + tiny)], [turn(wanted), turn(0.3)]);
+                    let off = (sum.sqrt() - expected.sqrt()).abs();
+                    assert!(off < 1e-14, "{got} and {wanted}: off by {off:e}");
+                }
+            }
+        }
+        // Half a turn is the farthest there is.
+        let half = summed_squares([turn(PI)], [turn(0.0)]);
+        assert!((half.sqrt() - PI).abs() < 1e-14);
+    }
+}

@@ -21,7 +21,7 @@ mod settings;
 
 pub use boundary::Boundary;
 pub use differential::{Adaptation, Differential, Mutation, Redraw};
-pub use evaluator::{Evaluator, Fitness, Gene, Population};
+pub use evaluator::{Evaluator, Fitness, Gene, Population, Range};
 pub use fitness::Orientation;
 pub use genetic::Genetic;
 pub use progress::{End, Progress};

@@ -126,3 +126,56 @@ fn places<R: Real>(individuals: R) -> Places {
     }
     places
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::{Kernel, Level, dispatch};
+
+    /// Gathers individuals of populations whose genes say whose they are.
+    struct Gathering;
+
+    impl Kernel for Gathering {
+        type Output = ();
+        #[inline(always)]
+        fn run<R: Real>(self) {
+            for (size, dof) in [(4, 1), (13, 3), (16, 6), (100, 7), (33, 8), (9, 12)] {
+                let mut population = Population::<R>::new(size, dof);
+                let tell = |i: usize, g: usize| (100 * i + g) as f64;
+                for i in 0..size {
+                    let genes: Vec<f64> = (0..dof).map(|g| tell(i, g)).collect();
+                    population.write(i, &genes);
+                }
+                let mut rows = Rows::of(&population);
+                population.write(1, &vec![0.5; dof]);
+                rows.update(1 / R::WIDTH, population.block(1 / R::WIDTH));
+                let told = |i: usize, g: usize| if i == 1 { 0.5 } else { tell(i, g) };
+                let (mut genes, mut difference) = (rows.buffer(), rows.buffer());
+                for first in 0..size {
+                    let (mut a, mut b) = (R::zero(), R::zero());
+                    let of = |lane: usize| ((first + 3 * lane) % size, (first + lane + 1) % size);
+                    for lane in 0..R::WIDTH {
+                        a.set_lane(lane, of(lane).0 as f64);
+                        b.set_lane(lane, of(lane).1 as f64);
+                    }
+                    rows.gather(a, &mut genes);
+                    rows.difference(a, b, &mut difference);
+                    for lane in 0..R::WIDTH {
+                        let (i, j) = of(lane);
+                        for g in 0..dof {
+                            assert_eq!(genes[g].lane(lane), told(i, g));
+                            assert_eq!(difference[g].lane(lane), told(i, g) - told(j, g));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn individuals_come_to_other_lanes() {
+        for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+            dispatch(level, Gathering);
+        }
+    }
+}
