@@ -3,7 +3,7 @@
 //!
 //! This is the test that Miri and the sanitizers run over the `unsafe` code of `lanes`.
 
-use agrik::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
+use agrik::lanes::{Kernel, Level, Real, Words, dispatch, dispatch_single};
 
 /// Zeros, numbers of every size with both signs, and what is no number.
 const SPECIAL: [f64; 20] = [
@@ -179,6 +179,157 @@ fn every_operation_is_that_of_plain_doubles_in_every_lane() {
             }
         }
         triples.rotate_left(1);
+    }
+}
+
+const WORD_NAMES: [&str; 14] = [
+    "plus",
+    "product",
+    "xor",
+    "or",
+    "up 1",
+    "up 48",
+    "down 12",
+    "down 63",
+    "equal fields",
+    "fields below",
+    "smaller fields",
+    "in all fields",
+    "rotated",
+    "highest bit",
+];
+
+/// What each operation of [`WORD_NAMES`] makes of pairs of words.
+struct WordOperations<'a>(&'a [[u64; 2]]);
+
+impl Kernel for WordOperations<'_> {
+    type Output = Vec<[u64; WORD_NAMES.len()]>;
+    #[inline(always)]
+    fn run<R: Real>(self) -> Self::Output {
+        let mut results = Vec::with_capacity(self.0.len());
+        for rows in self.0.chunks(R::WIDTH) {
+            // One word more than is wanted: loads and stores leave it alone.
+            let (mut a, mut b) = (vec![7; R::WIDTH + 1], vec![9; R::WIDTH + 1]);
+            for (lane, row) in rows.iter().enumerate() {
+                (a[lane], b[lane]) = (row[0], row[1]);
+            }
+            let (a, b) = (R::Words::load(&a), R::Words::load(&b));
+            let highest = R::select(R::highest_bits(a), R::splat(1.0), R::zero());
+            let found = [
+                a.plus(b),
+                a.product(b),
+                a.xor(b),
+                a.or(b),
+                a.up::<1>(),
+                a.up::<48>(),
+                a.down::<12>(),
+                a.down::<63>(),
+                a.equal_fields(b),
+                a.fields_below(b),
+                a.smaller_fields(b),
+                a.in_all_fields(),
+                a.rotated::<23, 41>(),
+                highest.to_words(),
+            ];
+            let mut stored = [[0; 9]; WORD_NAMES.len()];
+            for (words, found) in stored.iter_mut().zip(found) {
+                words[R::WIDTH] = 11;
+                found.store(words);
+                assert_eq!(words[R::WIDTH], 11);
+                // The way through numbers keeps the bits.
+                let mut again = [0; 9];
+                R::from_words(found).to_words().store(&mut again);
+                assert_eq!(again[..R::WIDTH], words[..R::WIDTH]);
+            }
+            for lane in 0..rows.len() {
+                results.push(std::array::from_fn(|k| stored[k][lane]));
+            }
+        }
+        results
+    }
+}
+
+/// The same by plain arithmetic.
+fn word_operations([a, b]: [u64; 2]) -> [u64; WORD_NAMES.len()] {
+    let fields = |of: fn(i16, i16) -> u16| {
+        let [a, b] = [a.to_le_bytes(), b.to_le_bytes()];
+        (0..4).fold(0, |all, k| {
+            let field = |bytes: [u8; 8]| i16::from_le_bytes([bytes[2 * k], bytes[2 * k + 1]]);
+            all | u64::from(of(field(a), field(b))) << (16 * k)
+        })
+    };
+    [
+        a.wrapping_add(b),
+        (a & 0xffff_ffff) * (b & 0xffff_ffff),
+        a ^ b,
+        a | b,
+        a << 1,
+        a << 48,
+        a >> 12,
+        a >> 63,
+        fields(|a, b| if a == b { 0xffff } else { 0 }),
+        fields(|a, b| if a < b { 0xffff } else { 0 }),
+        fields(|a, b| a.min(b).cast_unsigned()),
+        (a & 0xffff) * 0x0001_0001_0001_0001,
+        a.rotate_left(23),
+        if a >> 63 == 0 { 0 } else { 1.0_f64.to_bits() },
+    ]
+}
+
+#[test]
+fn every_operation_on_words_is_that_of_plain_words_in_every_lane() {
+    let mut pairs: Vec<[u64; 2]> =
+        triples().iter().map(|[a, b, _]| [a.to_bits(), b.to_bits()]).collect();
+    // Fields that are equal, or next to each other.
+    let near: Vec<[u64; 2]> = pairs.iter().map(|[a, _]| [*a, a ^ 0x0001_0000_8000_0000]).collect();
+    pairs.extend(near);
+    for level in available() {
+        for (what, found) in [
+            ("lanes", dispatch(level, WordOperations(&pairs))),
+            ("one lane", dispatch_single(level, WordOperations(&pairs))),
+        ] {
+            assert_eq!(found.len(), pairs.len());
+            for (found, pair) in found.iter().zip(&pairs) {
+                let expected = word_operations(*pair);
+                for k in 0..WORD_NAMES.len() {
+                    let name = WORD_NAMES[k];
+                    assert_eq!(found[k], expected[k], "{level:?}, {what}: {name} of {pair:x?}");
+                }
+            }
+        }
+    }
+}
+
+/// Counts the lanes of a type after it has turned a square over.
+struct Square;
+
+impl Kernel for Square {
+    type Output = usize;
+    #[inline(always)]
+    fn run<R: Real>(self) -> usize {
+        // One row more, which stays as it is.
+        let mut square = vec![R::splat(-1.0); R::WIDTH + 1];
+        for row in 0..R::WIDTH {
+            for lane in 0..R::WIDTH {
+                square[row].set_lane(lane, (10 * row + lane) as f64);
+            }
+        }
+        R::transpose(&mut square);
+        for row in 0..R::WIDTH {
+            for lane in 0..R::WIDTH {
+                assert_eq!(square[row].lane(lane), (10 * lane + row) as f64);
+            }
+            assert_eq!(square[R::WIDTH].lane(row), -1.0);
+        }
+        R::WIDTH
+    }
+}
+
+#[test]
+fn squares_are_turned_over() {
+    for level in available() {
+        let lanes = dispatch(level, Square);
+        assert_eq!(lanes == 1, level == Level::Scalar, "{level:?}: {lanes} lanes");
     }
 }
 

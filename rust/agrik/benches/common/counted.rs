@@ -64,6 +64,7 @@ impl Real for Counted {
     const WIDTH: usize = 1;
     type Mask = bool;
     type Single = Self;
+    type Words = u64;
 
     fn splat(value: f64) -> Self {
         Self(value)
@@ -116,6 +117,15 @@ impl Real for Counted {
     }
     fn mask_from_bits(bits: u32) -> bool {
         bits & 1 != 0
+    }
+    fn from_words(words: u64) -> Self {
+        Self(f64::from_bits(words))
+    }
+    fn to_words(self) -> u64 {
+        self.0.to_bits()
+    }
+    fn highest_bits(words: u64) -> bool {
+        words >> 63 != 0
     }
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos, counted) = sin_cos_by_quadrant(self);

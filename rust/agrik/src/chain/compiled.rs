@@ -90,6 +90,8 @@ pub struct Compiled {
     pub dof: usize,
     /// Each moving joint has an entry of its own, in order, with factor 1.
     pub simple: bool,
+    /// [`Compiled::simple`], and all joints turn.
+    pub plain: bool,
 }
 
 /// Columns of a rotation matrix.
@@ -179,13 +181,14 @@ impl Compiled {
         Ok(Self {
             start_position: start.translation.vector.into(),
             start_rotation: columns(start.rotation.matrix()),
-            links,
             tail: Tail {
                 translation: tail.translation.vector.into(),
                 rotation: columns(tail.rotation.matrix()),
             },
             dof: variables.len(),
+            plain: simple && links.iter().all(|l| !l.prismatic),
             simple,
+            links,
         })
     }
 

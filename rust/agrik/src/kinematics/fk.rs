@@ -3,7 +3,9 @@
 use smallvec::{SmallVec, smallvec};
 
 use crate::chain::{Compiled, Link, Twist};
-use crate::lanes::{Real, V3, axpy, blend, cross, dot, negate, scale, splat3, sub};
+use crate::lanes::{
+    Real, V3, axpy, blend, cross, difference, dot, negate, scale, splat3, sub, turns_each,
+};
 
 /// One entry per joint, on the stack up to 16 of them: a call for one target then
 /// allocates nothing.
@@ -101,13 +103,72 @@ fn turn<R: Real>(axes: [V3<R>; 3], t: [f64; 3]) -> V3<R> {
 /// workspace with the axes of all moving joints and the frame of the last one.
 #[inline(always)]
 pub fn forward<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
-    pass::<R, true>(chain, q, workspace);
+    // Sines and cosines first: beside the twelve numbers of a frame they would not fit the
+    // registers, and here they do not wait for one another.
+    for (link, turn) in chain.links.iter().zip(&mut workspace.turns) {
+        *turn = turn_of(chain, link, q);
+    }
+    let mut frame = Frame::start(chain);
+    let joints = chain.links.iter().zip(&mut workspace.axes).zip(&workspace.turns);
+    for ((link, axis), turn) in joints {
+        *axis = Axis { origin: frame.position, direction: frame.z };
+        frame = over(chain, link, q, *turn, frame);
+    }
+    workspace.frame = frame;
 }
 
-/// [`forward`] for those who need the last frame alone: the axes are left as they were.
+/// [`forward`] for those who need the last frame alone, and know it well enough with an
+/// error of [`turns_each`]'s size: the axes are left as they were.
 #[inline(always)]
 pub fn forward_frame<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
-    pass::<R, false>(chain, q, workspace);
+    // The commonest arms' angles are turned into sines and cosines all at once.
+    match chain.links.len() {
+        6 => last_frame::<R, 6>(chain, q, workspace),
+        7 => last_frame::<R, 7>(chain, q, workspace),
+        _ => last_frame::<R, 4>(chain, q, workspace),
+    }
+}
+
+/// [`forward_frame`] with the sines and cosines of so many joints at a time.
+#[inline(always)]
+fn last_frame<R: Real, const N: usize>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
+    let (groups, rest) = chain.links.as_chunks::<N>();
+    let mut frame = Frame::start(chain);
+    for group in groups {
+        frame = after_each(chain, group, q, frame);
+    }
+    for link in rest.as_chunks::<1>().0 {
+        frame = after_each(chain, link, q, frame);
+    }
+    workspace.frame = frame;
+}
+
+/// The frame after some more joints, whose sines and cosines are worked out in step.
+#[inline(always)]
+fn after_each<R: Real, const N: usize>(
+    chain: &Compiled,
+    links: &[Link; N],
+    q: &[R],
+    mut frame: Frame<R>,
+) -> Frame<R> {
+    let mut angles = [R::zero(); N];
+    match q.first_chunk::<N>() {
+        Some(q) if chain.plain && chain.dof == N => {
+            for i in 0..N {
+                angles[i] = q[i] + R::splat(links[i].theta);
+            }
+        }
+        _ => {
+            for i in 0..N {
+                angles[i] = angle_of(chain, &links[i], q);
+            }
+        }
+    }
+    let (sines, cosines) = turns_each(&angles);
+    for i in 0..N {
+        frame = over(chain, &links[i], q, [sines[i], cosines[i]], frame);
+    }
+    frame
 }
 
 /// The frame of a joint while a pass goes along the chain: its axes and its origin.
@@ -158,29 +219,18 @@ impl<R: Real> Frame<R> {
     }
 }
 
-#[inline(always)]
-fn pass<R: Real, const AXES: bool>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>) {
-    // Sines and cosines first: beside the twelve numbers of a frame they would not fit the
-    // registers, and here they do not wait for one another.
-    for (link, turn) in chain.links.iter().zip(&mut workspace.turns) {
-        *turn = turn_of(chain, link, q);
-    }
-    let mut frame = Frame::start(chain);
-    let joints = chain.links.iter().zip(&mut workspace.axes).zip(&workspace.turns);
-    for ((link, axis), turn) in joints {
-        if AXES {
-            *axis = Axis { origin: frame.position, direction: frame.z };
-        }
-        frame = over(chain, link, q, *turn, frame);
-    }
-    workspace.frame = frame;
-}
-
 /// The value that moves a joint, rad or m.
 #[inline(always)]
 fn value_of<R: Real>(chain: &Compiled, link: &Link, q: &[R]) -> R {
     let value = q[link.variable];
     if chain.simple { value } else { value * R::splat(link.multiplier) }
+}
+
+/// A joint's angle.
+#[inline(always)]
+fn angle_of<R: Real>(chain: &Compiled, link: &Link, q: &[R]) -> R {
+    let offset = R::splat(link.theta);
+    if link.prismatic { offset } else { value_of(chain, link, q) + offset }
 }
 
 /// Sine and cosine of a joint's angle.
@@ -190,7 +240,7 @@ fn turn_of<R: Real>(chain: &Compiled, link: &Link, q: &[R]) -> [R; 2] {
         let (s, c) = link.theta_sin_cos;
         (R::splat(s), R::splat(c))
     } else {
-        (value_of(chain, link, q) + R::splat(link.theta)).sin_cos()
+        angle_of(chain, link, q).sin_cos()
     };
     [s, c]
 }
@@ -204,8 +254,8 @@ fn over<R: Real>(
     [s, c]: [R; 2],
     frame: Frame<R>,
 ) -> Frame<R> {
-    let Frame { mut x, mut y, mut z, position: mut p } = frame;
-    (x, y) = (blend(x, c, y, s), blend(y, c, x, -s));
+    let Frame { x: x0, y: y0, mut z, position: mut p } = frame;
+    let mut x = blend(x0, c, y0, s);
     // Asked of the bits, which costs less than asking of the numbers.
     if link.prismatic {
         p = axpy(z, value_of(chain, link, q) + R::splat(link.d), p);
@@ -215,20 +265,23 @@ fn over<R: Real>(
     if link.a.to_bits() != 0 {
         p = axpy(x, R::splat(link.a), p);
     }
+    // The other turned axis this way round or that, as it is needed.
+    let y;
     match link.twist {
-        Twist::Zero => {}
+        Twist::Zero => y = blend(y0, c, x0, -s),
         Twist::Half => {
-            y = negate(y);
+            y = difference(x0, s, y0, c);
             z = negate(z);
         }
-        Twist::Quarter => (y, z) = (z, negate(y)),
+        Twist::Quarter => (y, z) = (z, difference(x0, s, y0, c)),
         Twist::Angle(sine, cosine) => {
+            let across = blend(y0, c, x0, -s);
             let (s, c) = (R::splat(sine), R::splat(cosine));
-            (y, z) = (blend(y, c, z, s), blend(z, c, y, -s));
+            (y, z) = (blend(across, c, z, s), blend(z, c, across, -s));
         }
         Twist::Full(columns) => {
-            p = axpy(y, R::splat(link.b), p);
-            let axes = [x, y, z];
+            let axes = [x, blend(y0, c, x0, -s), z];
+            p = axpy(axes[1], R::splat(link.b), p);
             x = turn(axes, columns[0]);
             y = turn(axes, columns[1]);
             z = turn(axes, columns[2]);

@@ -10,12 +10,16 @@ mod dispatch;
 mod neon;
 mod scalar;
 mod trig;
+mod words;
 #[cfg(target_arch = "x86_64")]
 mod x86;
+#[cfg(target_arch = "x86_64")]
+mod x86_words;
 
 pub use dispatch::{Kernel, Level, VARIABLE, dispatch, dispatch_single};
 pub use trig::sin_cos_by_quadrant;
-pub(crate) use trig::{angle_over_sine, atan2, atan2_each};
+pub(crate) use trig::{CHORD2, angle_over_sine, atan2, atan2_each, squared_angles, turns_each};
+pub use words::Words;
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -40,6 +44,8 @@ pub trait Real:
     type Mask: Copy;
     /// One number with the roundings of this type.
     type Single: Real;
+    /// The bits of the numbers, one word per lane.
+    type Words: Words;
 
     /// The same number in every lane.
     fn splat(value: f64) -> Self;
@@ -90,6 +96,26 @@ pub trait Real:
     fn bits(mask: Self::Mask) -> u32;
     /// The mask whose lane `i` holds where bit `i` is set.
     fn mask_from_bits(bits: u32) -> Self::Mask;
+
+    /// The numbers of these bits.
+    fn from_words(words: Self::Words) -> Self;
+    /// The bits of the numbers.
+    fn to_words(self) -> Self::Words;
+    /// True where the highest bit of a word is set.
+    fn highest_bits(words: Self::Words) -> Self::Mask;
+
+    /// Exchanges rows and columns of the square that the first [`Real::WIDTH`] values of a
+    /// slice are; it holds at least as many.
+    #[inline(always)]
+    fn transpose(square: &mut [Self]) {
+        for row in 1..Self::WIDTH {
+            for lane in 0..row {
+                let above = square[lane].lane(row);
+                square[lane].set_lane(row, square[row].lane(lane));
+                square[row].set_lane(lane, above);
+            }
+        }
+    }
 
     /// Sine and cosine, at most 2 units in the last place off for |x| <= 1e4.
     fn sin_cos(self) -> (Self, Self);
@@ -148,6 +174,13 @@ pub fn scale<R: Real>(a: V3<R>, s: R) -> V3<R> {
 #[inline(always)]
 pub fn blend<R: Real>(a: V3<R>, s: R, b: V3<R>, t: R) -> V3<R> {
     axpy(a, s, scale(b, t))
+}
+
+/// `a * s - b * t`
+#[inline(always)]
+pub fn difference<R: Real>(a: V3<R>, s: R, b: V3<R>, t: R) -> V3<R> {
+    let a = scale(a, s);
+    [b[0].neg_mul_add(t, a[0]), b[1].neg_mul_add(t, a[1]), b[2].neg_mul_add(t, a[2])]
 }
 
 /// `-a`

@@ -13,7 +13,7 @@ use std::arch::aarch64::*;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use super::scalar::Fused;
-use super::{Real, trig};
+use super::{Real, Words, trig};
 
 /// Four doubles in two NEON registers.
 #[derive(Debug, Clone, Copy)]
@@ -98,6 +98,7 @@ impl Real for F64x4 {
     const WIDTH: usize = 4;
     type Mask = [uint64x2_t; 2];
     type Single = Fused;
+    type Words = U64x4;
 
     #[inline(always)]
     fn splat(value: f64) -> Self {
@@ -175,6 +176,32 @@ impl Real for F64x4 {
         have_common_bits(splat_bits(u64::from(bits)), weights())
     }
     #[inline(always)]
+    fn from_words(words: U64x4) -> Self {
+        Self(both!(vreinterpretq_f64_u64, words.0))
+    }
+    #[inline(always)]
+    fn to_words(self) -> U64x4 {
+        U64x4(both!(vreinterpretq_u64_f64, self.0))
+    }
+    #[inline(always)]
+    fn highest_bits(words: U64x4) -> Self::Mask {
+        have_common_bits(words.0, splat_bits(1 << 63))
+    }
+    #[inline(always)]
+    fn transpose(square: &mut [Self]) {
+        let Some(rows) = square.first_chunk_mut::<4>() else { return };
+        let [Self(a), Self(b), Self(c), Self(d)] = *rows;
+        // SAFETY: invariant of this file.
+        unsafe {
+            *rows = [
+                Self([vtrn1q_f64(a[0], b[0]), vtrn1q_f64(c[0], d[0])]),
+                Self([vtrn2q_f64(a[0], b[0]), vtrn2q_f64(c[0], d[0])]),
+                Self([vtrn1q_f64(a[1], b[1]), vtrn1q_f64(c[1], d[1])]),
+                Self([vtrn2q_f64(a[1], b[1]), vtrn2q_f64(c[1], d[1])]),
+            ];
+        }
+    }
+    #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos, counted) = trig::sin_cos_by_quadrant(self);
         let count = both!(vreinterpretq_u64_f64, counted.0);
@@ -182,5 +209,81 @@ impl Real for F64x4 {
         let next = both!(vaddq_u64, count, splat_bits(1));
         let (s, c) = (Self::select(odd, cos, sin), Self::select(odd, sin, cos));
         (negate_by_bit_1(s, count), negate_by_bit_1(c, next))
+    }
+}
+
+/// Four words in two NEON registers.
+#[derive(Debug, Clone, Copy)]
+pub struct U64x4([uint64x2_t; 2]);
+
+/// An instruction on the 16-bit fields of both registers.
+macro_rules! fields {
+    ($instruction:ident, $into:ident, $back:ident, $a:expr, $b:expr) => {{
+        let (a, b) = (both!($into, $a), both!($into, $b));
+        let made = both!($instruction, a, b);
+        U64x4(both!($back, made))
+    }};
+}
+
+impl Words for U64x4 {
+    const WIDTH: usize = 4;
+
+    #[inline(always)]
+    fn splat(word: u64) -> Self {
+        Self(splat_bits(word))
+    }
+    #[inline(always)]
+    fn load(from: &[u64]) -> Self {
+        let from = &from[..Self::WIDTH];
+        // SAFETY: `from` is four words long.
+        Self(unsafe { [vld1q_u64(from.as_ptr()), vld1q_u64(from[2..].as_ptr())] })
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [u64]) {
+        let to = &mut to[..Self::WIDTH];
+        // SAFETY: `to` is four words long.
+        unsafe {
+            vst1q_u64(to.as_mut_ptr(), self.0[0]);
+            vst1q_u64(to[2..].as_mut_ptr(), self.0[1]);
+        }
+    }
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        Self(both!(vaddq_u64, self.0, other.0))
+    }
+    #[inline(always)]
+    fn product(self, other: Self) -> Self {
+        let (a, b) = (both!(vmovn_u64, self.0), both!(vmovn_u64, other.0));
+        Self(both!(vmull_u32, a, b))
+    }
+    #[inline(always)]
+    fn xor(self, other: Self) -> Self {
+        Self(both!(veorq_u64, self.0, other.0))
+    }
+    #[inline(always)]
+    fn or(self, other: Self) -> Self {
+        Self(both!(vorrq_u64, self.0, other.0))
+    }
+    #[inline(always)]
+    fn up<const BY: i32>(self) -> Self {
+        // SAFETY: invariant of this file.
+        Self(unsafe { [vshlq_n_u64::<BY>(self.0[0]), vshlq_n_u64::<BY>(self.0[1])] })
+    }
+    #[inline(always)]
+    fn down<const BY: i32>(self) -> Self {
+        // SAFETY: invariant of this file.
+        Self(unsafe { [vshrq_n_u64::<BY>(self.0[0]), vshrq_n_u64::<BY>(self.0[1])] })
+    }
+    #[inline(always)]
+    fn equal_fields(self, other: Self) -> Self {
+        fields!(vceqq_s16, vreinterpretq_s16_u64, vreinterpretq_u64_u16, self.0, other.0)
+    }
+    #[inline(always)]
+    fn fields_below(self, other: Self) -> Self {
+        fields!(vcltq_s16, vreinterpretq_s16_u64, vreinterpretq_u64_u16, self.0, other.0)
+    }
+    #[inline(always)]
+    fn smaller_fields(self, other: Self) -> Self {
+        fields!(vminq_s16, vreinterpretq_s16_u64, vreinterpretq_u64_s16, self.0, other.0)
     }
 }

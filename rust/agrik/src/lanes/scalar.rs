@@ -54,6 +54,7 @@ macro_rules! one_lane {
             const WIDTH: usize = 1;
             type Mask = bool;
             type Single = Self;
+            type Words = u64;
 
             #[inline(always)]
             fn splat(value: f64) -> Self {
@@ -118,6 +119,18 @@ macro_rules! one_lane {
             #[inline(always)]
             fn mask_from_bits(bits: u32) -> bool {
                 bits & 1 != 0
+            }
+            #[inline(always)]
+            fn from_words(words: u64) -> Self {
+                $make(f64::from_bits(words))
+            }
+            #[inline(always)]
+            fn to_words(self) -> u64 {
+                $get(self).to_bits()
+            }
+            #[inline(always)]
+            fn highest_bits(words: u64) -> bool {
+                words >> 63 != 0
             }
             #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {

@@ -12,6 +12,7 @@ use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use super::scalar::Fused;
+use super::x86_words::{U64x4, U64x8};
 use super::{Real, trig};
 
 macro_rules! operators {
@@ -143,6 +144,7 @@ operators!(F64x4, negate4, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_d
 impl Real for F64x4 {
     type Mask = __m256d;
     type Single = Fused;
+    type Words = U64x4;
     shared_methods!(
         4,
         _mm256_set1_pd,
@@ -202,6 +204,39 @@ impl Real for F64x4 {
         }
     }
     #[inline(always)]
+    fn from_words(words: U64x4) -> Self {
+        // SAFETY: invariant of this file.
+        Self(unsafe { _mm256_castsi256_pd(words.0) })
+    }
+    #[inline(always)]
+    fn to_words(self) -> U64x4 {
+        // SAFETY: invariant of this file.
+        U64x4(unsafe { _mm256_castpd_si256(self.0) })
+    }
+    #[inline(always)]
+    fn highest_bits(words: U64x4) -> __m256d {
+        // Blends and masks look at no other bit.
+        // SAFETY: invariant of this file.
+        unsafe { _mm256_castsi256_pd(words.0) }
+    }
+    #[inline(always)]
+    fn transpose(square: &mut [Self]) {
+        let Some(rows) = square.first_chunk_mut::<4>() else { return };
+        let [Self(a), Self(b), Self(c), Self(d)] = *rows;
+        // SAFETY: invariant of this file.
+        unsafe {
+            // Pairs of lanes 0 and 2, and of lanes 1 and 3; then halves of the registers.
+            let (ab02, ab13) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+            let (cd02, cd13) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+            *rows = [
+                Self(_mm256_permute2f128_pd::<0x20>(ab02, cd02)),
+                Self(_mm256_permute2f128_pd::<0x20>(ab13, cd13)),
+                Self(_mm256_permute2f128_pd::<0x31>(ab02, cd02)),
+                Self(_mm256_permute2f128_pd::<0x31>(ab13, cd13)),
+            ];
+        }
+    }
+    #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos, counted) = trig::sin_cos_by_quadrant(self);
         // SAFETY: invariant of this file.
@@ -235,6 +270,7 @@ operators!(F64x8, negate8, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_d
 impl Real for F64x8 {
     type Mask = __mmask8;
     type Single = Fused;
+    type Words = U64x8;
     shared_methods!(
         8,
         _mm512_set1_pd,
@@ -284,6 +320,45 @@ impl Real for F64x8 {
     #[inline(always)]
     fn mask_from_bits(bits: u32) -> __mmask8 {
         bits as __mmask8
+    }
+    #[inline(always)]
+    fn from_words(words: U64x8) -> Self {
+        // SAFETY: invariant of this file.
+        Self(unsafe { _mm512_castsi512_pd(words.0) })
+    }
+    #[inline(always)]
+    fn to_words(self) -> U64x8 {
+        // SAFETY: invariant of this file.
+        U64x8(unsafe { _mm512_castpd_si512(self.0) })
+    }
+    #[inline(always)]
+    fn highest_bits(words: U64x8) -> __mmask8 {
+        // SAFETY: invariant of this file.
+        unsafe { _mm512_movepi64_mask(words.0) }
+    }
+    #[inline(always)]
+    fn transpose(square: &mut [Self]) {
+        let Some(rows) = square.first_chunk_mut::<8>() else { return };
+        let mut r = *rows;
+        // SAFETY: invariant of this file.
+        unsafe {
+            // Lanes of neighbouring rows beside each other, then pairs, then fours.
+            for i in [0, 2, 4, 6] {
+                let (a, b) = (r[i].0, r[i + 1].0);
+                r[i] = Self(_mm512_unpacklo_pd(a, b));
+                r[i + 1] = Self(_mm512_unpackhi_pd(a, b));
+            }
+            for i in [0, 1, 4, 5] {
+                let (a, b) = (r[i].0, r[i + 2].0);
+                r[i] = Self(_mm512_shuffle_f64x2::<0b10_00_10_00>(a, b));
+                r[i + 2] = Self(_mm512_shuffle_f64x2::<0b11_01_11_01>(a, b));
+            }
+            for i in 0..4 {
+                let (a, b) = (r[i].0, r[i + 4].0);
+                rows[i] = Self(_mm512_shuffle_f64x2::<0b10_00_10_00>(a, b));
+                rows[i + 4] = Self(_mm512_shuffle_f64x2::<0b11_01_11_01>(a, b));
+            }
+        }
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {

@@ -1,6 +1,6 @@
 //! What becomes of genes that leave their range.
 
-use super::evaluator::Gene;
+use super::evaluator::Range;
 use super::random::Stream;
 use crate::lanes::Real;
 
@@ -21,23 +21,23 @@ pub enum Boundary {
 impl Boundary {
     /// The rule applied to one gene of a block.
     #[inline(always)]
-    pub fn apply<R: Real>(self, x: R, gene: &Gene, stream: &mut Stream) -> R {
-        let (lower, upper) = (R::splat(gene.lower), R::splat(gene.upper));
+    pub fn apply<R: Real>(self, x: R, range: &Range<R>, stream: &mut Stream) -> R {
+        let Range { lower, upper, middle, turns } = *range;
         let out = R::or(x.lt(lower), upper.lt(x));
         // A choice costs less than asking whether it is needed and guessing wrong.
-        if self == Self::Median && !gene.turns {
-            return R::select(out, R::splat(gene.middle()), x);
+        if self == Self::Median && !turns {
+            return R::select(out, middle, x);
         }
         if R::bits(out) == 0 {
             return x;
         }
-        if gene.turns {
+        if turns {
             let tau = std::f64::consts::TAU;
-            let turns = ((x - R::splat(gene.middle())) * R::splat(1.0 / tau)).round();
+            let turns = ((x - middle) * R::splat(1.0 / tau)).round();
             return turns.mul_add(R::splat(-tau), x).max(lower).min(upper);
         }
         let inside = match self {
-            Self::Median => R::splat(gene.middle()),
+            Self::Median => middle,
             Self::Clamp => x.max(lower).min(upper),
             Self::Reflect => {
                 let low = lower + (lower - x);
@@ -46,7 +46,7 @@ impl Boundary {
             }
             Self::Redraw => {
                 let u: R = stream.uniforms();
-                u.mul_add(R::splat(gene.upper - gene.lower), lower)
+                u.mul_add(upper - lower, lower)
             }
         };
         R::select(out, inside, x)
@@ -55,12 +55,13 @@ impl Boundary {
 
 #[cfg(test)]
 mod tests {
+    use super::super::evaluator::Gene;
     use super::*;
 
     const JOINT: Gene = Gene { lower: -2.0, upper: 2.5, turns: false };
 
     fn applied(rule: Boundary, x: f64) -> f64 {
-        rule.apply(x, &JOINT, &mut Stream::new(1))
+        rule.apply(x, &JOINT.range(), &mut Stream::new(1))
     }
 
     #[test]
@@ -68,7 +69,7 @@ mod tests {
         // The published case: 3.0 is out of joint 2's +-2 pi / 3 and becomes 0.
         let limit = 2.0 * std::f64::consts::FRAC_PI_3;
         let gene = Gene { lower: -limit, upper: limit, turns: false };
-        assert_eq!(Boundary::Median.apply(3.0, &gene, &mut Stream::new(0)), 0.0);
+        assert_eq!(Boundary::Median.apply(3.0, &gene.range(), &mut Stream::new(0)), 0.0);
         assert_eq!(applied(Boundary::Median, -2.1), 0.25);
     }
 
@@ -96,7 +97,7 @@ mod tests {
     fn free_joints_are_wrapped() {
         let pi = std::f64::consts::PI;
         let gene = Gene { lower: -pi, upper: pi, turns: true };
-        let x = Boundary::Median.apply(4.0, &gene, &mut Stream::new(0));
+        let x = Boundary::Median.apply(4.0, &gene.range(), &mut Stream::new(0));
         assert!((x - (4.0 - 2.0 * pi)).abs() < 1e-14);
     }
 }

@@ -1,12 +1,13 @@
 //! Differential evolution (Storn and Price 1997): differences of individuals as steps.
 
 use super::boundary::Boundary;
-use super::evaluator::{Fitness, Gene, Population};
+use super::evaluator::{Fitness, Gene, Population, Range};
 use super::progress::End;
 use super::random::Stream;
+use super::rows::Rows;
 use super::run::Run;
 use crate::error::{Error, Result};
-use crate::lanes::Real;
+use crate::lanes::{Real, Words};
 
 /// What a mutant starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -67,16 +68,29 @@ pub struct Differential {
 const JDE_CHANCE: f64 = 0.1;
 const JDE_WEIGHT: (f64, f64) = (0.1, 0.9);
 
+/// Above this number, 2^52, the lowest bits of a double are a whole number.
+pub(super) const WHOLE: f64 = 4_503_599_627_370_496.0;
+
 /// Buffers of the making of trials.
 struct Scratch<R> {
-    best: Vec<f64>,
+    /// Genes of the best individual, each in all lanes.
+    best: Vec<R>,
     difference: Vec<R>,
     base: Vec<R>,
+    rows: Rows<R>,
     /// The number of each lane.
     first: R,
     /// Weight and crossover rate of each individual, and of the trials (jDE).
     own: Vec<(R, R)>,
     tried: Vec<(R, R)>,
+}
+
+/// What a gene of a mutant is made of besides its parent's.
+struct Parts<'s, R> {
+    weight: R,
+    best: &'s [R],
+    base: &'s [R],
+    difference: &'s [R],
 }
 
 impl Differential {
@@ -97,40 +111,56 @@ impl Differential {
     pub(super) fn run<R: Real, F: Fitness<R>>(&self, mut run: Run<'_, '_, R, F>) -> End {
         let dof = run.population.dof;
         let mut trial = Population::<R>::new(run.population.size, dof);
-        let rate = R::splat(0.5 * (self.crossover.0 + self.crossover.1));
+        let middle = R::splat(0.5 * (self.crossover.0 + self.crossover.1));
+        let weight = R::splat(self.weight);
+        let rows = Rows::of(run.population);
         let mut scratch = Scratch {
-            best: vec![0.0; dof],
-            difference: vec![R::zero(); dof],
-            base: vec![R::zero(); dof],
+            best: vec![R::zero(); dof],
+            difference: rows.buffer(),
+            base: rows.buffer(),
+            rows,
             first: numbers(),
-            own: vec![(R::splat(self.weight), rate); trial.blocks()],
-            tried: vec![(R::splat(self.weight), rate); trial.blocks()],
+            own: vec![(weight, middle); trial.blocks()],
+            tried: vec![(weight, middle); trial.blocks()],
         };
+        let mean = R::splat(self.mean_rate());
+        let ranges: Vec<Range<R>> = run.genes.iter().map(Gene::range).collect();
         loop {
             let best = match run.best() {
                 Ok(best) => best,
                 Err(end) => return end,
             };
-            let Run { genes, evaluator, population, stream, progress, .. } = &mut run;
-            population.read(best, &mut scratch.best);
-            let shared = R::splat(self.draw_rate(stream));
+            let Run { evaluator, population, stream, progress, .. } = &mut run;
+            population.spread(best, &mut scratch.best);
+            let shared = match self.redraw {
+                Redraw::Gene | Redraw::Individual => mean,
+                Redraw::Generation => R::splat(self.draw_rate(stream)),
+            };
             for block in 0..population.blocks() {
-                self.pick(block, population, stream, &mut scratch);
+                let forced = self.pick(block, population, stream, &mut scratch);
                 let (weight, rate) = match self.adaptation {
                     Adaptation::Jde => {
                         let (weight, rate) = jde(scratch.own[block], stream);
                         scratch.tried[block] = (weight, rate);
                         (weight, rate)
                     }
-                    _ => match self.redraw {
-                        Redraw::Gene => (R::splat(self.weight), R::splat(self.mean_rate())),
-                        Redraw::Individual => (R::splat(self.weight), self.draw_rates(stream)),
-                        Redraw::Generation => (R::splat(self.weight), shared),
-                    },
+                    _ if self.redraw == Redraw::Individual => (weight, self.draw_rates(stream)),
+                    _ => (weight, shared),
                 };
+                let (best, base, difference) =
+                    (&scratch.best[..], &scratch.base[..], &scratch.difference[..]);
+                let parts = Parts { weight, best, base, difference };
+                let chance = (rate, forced);
                 let parents = population.block(block);
                 let made = trial.block_mut(block);
-                self.cross(weight, rate, parents, &scratch, genes, stream, made);
+                // The published rules are known where the loop over the genes is compiled.
+                match (self.mutation, self.boundary) {
+                    (Mutation::Best1, Boundary::Median) => {
+                        let rules = (Mutation::Best1, Boundary::Median);
+                        cross(rules, &parts, chance, parents, &ranges, stream, made);
+                    }
+                    rules => cross(rules, &parts, chance, parents, &ranges, stream, made),
+                }
             }
             evaluator.evaluate(&mut trial);
             self.select(population, &trial, &mut scratch);
@@ -155,11 +185,12 @@ impl Differential {
     #[inline(always)]
     fn draw_rates<R: Real>(&self, stream: &mut Stream) -> R {
         let (low, high) = self.crossover;
-        let u: R = stream.choices();
+        let u: R = stream.uniforms();
         u.mul_add(R::splat(high - low), R::splat(low))
     }
 
-    /// Draws the other individuals of a block's mutants: their difference, and the base.
+    /// Draws the other individuals of a block's mutants, whose difference and base are
+    /// gathered, and the gene of each that comes from the mutant in any case.
     #[inline(always)]
     fn pick<R: Real>(
         &self,
@@ -167,72 +198,28 @@ impl Differential {
         population: &Population<R>,
         stream: &mut Stream,
         scratch: &mut Scratch<R>,
-    ) {
+    ) -> R::Words {
         let size = population.size;
-        // Whole numbers, held as floating-point ones so that all lanes are worked out at
+        // Whole numbers, held as floating-point ones so that all lanes are compared at
         // once: two others, different from each other and from the individual.
         let i = scratch.first + R::splat((block * R::WIDTH) as f64);
-        let a = skip(below(size - 1, stream), i);
-        let b = skip(skip(below(size - 2, stream), a.min(i)), a.max(i));
-        let (from_a, from_b) = (places(population, a), places(population, b));
-        // Loops of a length known beforehand, for the commonest arms.
-        match population.dof {
-            6 => differences::<R, 6>(population, from_a, from_b, &mut scratch.difference),
-            7 => differences::<R, 7>(population, from_a, from_b, &mut scratch.difference),
-            _ => {
-                for lane in 0..R::WIDTH {
-                    let (a, lane_a) = individual(population, from_a, lane);
-                    let (b, lane_b) = individual(population, from_b, lane);
-                    for ((d, x), y) in scratch.difference.iter_mut().zip(a).zip(b) {
-                        d.set_lane(lane, x.lane(lane_a) - y.lane(lane_b));
-                    }
-                }
-            }
-        }
+        let word: R::Words = stream.words();
+        let (a, rest) = below::<R>(size - 1, word);
+        let (b, _) = below::<R>(size - 2, word.down::<32>());
+        let forced = rest.product(R::Words::splat(population.dof as u64)).down::<32>();
+        let a = skip(a, i);
+        let (low, high) = (a.min(i), a.max(i));
+        let b = skip(skip(b, low), high);
+        scratch.rows.difference(a, b, &mut scratch.difference);
         if self.mutation == Mutation::Rand1 {
             // The number left out last is the largest of three: sort them.
-            let (low, high) = (a.min(i), a.max(i));
             let (low, middle) = (low.min(b), low.max(b));
             let (middle, high) = (middle.min(high), middle.max(high));
-            let c = skip(skip(skip(below(size - 3, stream), low), middle), high);
-            let from_c = places(population, c);
-            for lane in 0..R::WIDTH {
-                let (c, lane_c) = individual(population, from_c, lane);
-                for (base, x) in scratch.base.iter_mut().zip(c) {
-                    base.set_lane(lane, x.lane(lane_c));
-                }
-            }
+            let (c, _) = below::<R>(size - 3, stream.words());
+            let c = skip(skip(skip(c, low), middle), high);
+            scratch.rows.gather(c, &mut scratch.base);
         }
-    }
-
-    /// Mutants of a block, crossed with their parents and brought back into range.
-    #[allow(clippy::too_many_arguments)]
-    #[inline(always)]
-    fn cross<R: Real>(
-        &self,
-        weight: R,
-        rate: R,
-        parents: &[R],
-        scratch: &Scratch<R>,
-        genes: &[Gene],
-        stream: &mut Stream,
-        made: &mut [R],
-    ) {
-        // One gene of each individual comes from the mutant in any case: how many genes are
-        // left until it, which is 0 there and at least 1 in magnitude elsewhere.
-        let mut until_forced: R = below(parents.len(), stream);
-        let genes = genes.iter().zip(parents).zip(&scratch.difference).zip(made).enumerate();
-        for (g, (((gene, &x), &d), made)) in genes {
-            let mutant = match self.mutation {
-                Mutation::Best1 => weight.mul_add(d, R::splat(scratch.best[g])),
-                Mutation::Rand1 => weight.mul_add(d, scratch.base[g]),
-                Mutation::CurrentToBest1 => weight.mul_add(R::splat(scratch.best[g]) - x + d, x),
-            };
-            let u: R = stream.choices();
-            let taken = u.min(until_forced.abs()).le(rate);
-            until_forced -= R::splat(1.0);
-            *made = self.boundary.apply(R::select(taken, mutant, x), gene, stream);
-        }
+        forced
     }
 
     /// Trials that are better take their parents' places.
@@ -254,6 +241,7 @@ impl Differential {
             for (x, t) in population.block_mut(block).iter_mut().zip(from) {
                 *x = R::select(better, *t, *x);
             }
+            scratch.rows.update(block, population.block(block));
             if self.adaptation == Adaptation::Jde {
                 let (own, tried) = (&mut scratch.own[block], scratch.tried[block]);
                 own.0 = R::select(better, tried.0, own.0);
@@ -286,66 +274,91 @@ fn numbers<R: Real>() -> R {
     numbers
 }
 
-/// The largest whole number that is not above a number of magnitude below 2^51.
+/// Mutants of a block, crossed with their parents and brought back into range; `chance` is
+/// the rate and the number of the gene that is taken in any case.
 #[inline(always)]
-fn floor<R: Real>(x: R) -> R {
-    let near = x.round();
-    near - R::select(x.lt(near), R::splat(1.0), R::zero())
+fn cross<R: Real>(
+    rules: (Mutation, Boundary),
+    parts: &Parts<'_, R>,
+    chance: (R, R::Words),
+    parents: &[R],
+    ranges: &[Range<R>],
+    stream: &mut Stream,
+    made: &mut [R],
+) {
+    // Loops of a length known beforehand, for the commonest arms.
+    match (parents.first_chunk::<7>(), parents.first_chunk::<6>()) {
+        (Some(all), _) if parents.len() == 7 => {
+            cross_all(rules, parts, chance, all, ranges, stream, made);
+        }
+        (_, Some(all)) if parents.len() == 6 => {
+            cross_all(rules, parts, chance, all, ranges, stream, made);
+        }
+        _ => cross_all(rules, parts, chance, parents, ranges, stream, made),
+    }
 }
 
-/// A random whole number below `n` in each lane.
+/// [`cross`] as it is written for any number of genes.
 #[inline(always)]
-fn below<R: Real>(n: usize, stream: &mut Stream) -> R {
-    let u: R = stream.choices();
-    // Half a number lower, the nearest whole number is the largest that is not above. Where
-    // the product is whole, which is rare, it may be off by one; it stays in the range.
-    u.mul_add(R::splat(n as f64), R::splat(-0.5)).round().abs().min(R::splat(n as f64 - 1.0))
+fn cross_all<R: Real>(
+    (mutation, boundary): (Mutation, Boundary),
+    parts: &Parts<'_, R>,
+    (rate, forced): (R, R::Words),
+    parents: &[R],
+    ranges: &[Range<R>],
+    stream: &mut Stream,
+    made: &mut [R],
+) {
+    let dof = parents.len();
+    let (made, ranges) = (&mut made[..dof], &ranges[..dof]);
+    let (best, difference) = (&parts.best[..dof], &parts.difference[..dof]);
+    let threshold = threshold(rate);
+    let forced = forced.in_all_fields();
+    // A word decides on four genes, by 16 bits each.
+    let mut numbers = R::Words::splat(0x0003_0002_0001_0000);
+    for first in (0..dof).step_by(4) {
+        let drawn: R::Words = stream.words();
+        // The greatest number counts as the one before it: a rate of one takes them all.
+        let drawn = drawn.smaller_fields(R::Words::splat(0x7ffe_7ffe_7ffe_7ffe));
+        let taken = drawn.fields_below(threshold).or(forced.equal_fields(numbers));
+        numbers = numbers.plus(R::Words::splat(0x0004_0004_0004_0004));
+        let taken = [taken.up::<48>(), taken.up::<32>(), taken.up::<16>(), taken];
+        for (g, taken) in (first..dof).zip(taken) {
+            let (x, d) = (parents[g], difference[g]);
+            let mutant = match mutation {
+                Mutation::Best1 => parts.weight.mul_add(d, best[g]),
+                Mutation::Rand1 => parts.weight.mul_add(d, parts.base[g]),
+                Mutation::CurrentToBest1 => parts.weight.mul_add(best[g] - x + d, x),
+            };
+            let x = R::select(R::highest_bits(taken), mutant, x);
+            made[g] = boundary.apply(x, &ranges[g], stream);
+        }
+    }
+}
+
+/// What 16 random bits, read as a number with a sign, must lie below for a gene to be
+/// taken, in each field of a word.
+#[inline(always)]
+fn threshold<R: Real>(rate: R) -> R::Words {
+    let scaled = (rate * R::splat(65_536.0)).min(R::splat(65_535.0));
+    let whole = (scaled + R::splat(WHOLE)).to_words();
+    whole.in_all_fields().xor(R::Words::splat(0x8000_8000_8000_8000))
+}
+
+/// A random whole number below `n` in each lane, made of the low half of a random word, and
+/// a word whose low half is random whichever number that is (as long as `n` is small beside
+/// 2^32).
+#[inline(always)]
+fn below<R: Real>(n: usize, word: R::Words) -> (R, R::Words) {
+    let product = word.product(R::Words::splat(n as u64));
+    let whole = product.down::<32>().or(R::Words::splat(WHOLE.to_bits()));
+    (R::from_words(whole) - R::splat(WHOLE), product)
 }
 
 /// Numbers that leave `taken` out.
 #[inline(always)]
 fn skip<R: Real>(x: R, taken: R) -> R {
     x + R::select(taken.le(x), R::splat(1.0), R::zero())
-}
-
-/// Where the individuals whose numbers stand in the lanes have their first genes: lane
-/// within a vector, plus the vectors before it times the lanes of one.
-#[inline(always)]
-fn places<R: Real>(population: &Population<R>, individuals: R) -> R {
-    let width = R::splat(R::WIDTH as f64);
-    let block = floor(individuals * R::splat(1.0 / R::WIDTH as f64));
-    let lane = individuals - block * width;
-    // Above 2^52 the bits of a whole number stand in the fraction.
-    block.mul_add(R::splat((population.dof * R::WIDTH) as f64), lane)
-        + R::splat((1u64 << 52) as f64)
-}
-
-/// Differences of the individuals at two places, gene by gene, for arms of `N` joints.
-#[inline(always)]
-fn differences<R: Real, const N: usize>(
-    population: &Population<R>,
-    from_a: R,
-    from_b: R,
-    difference: &mut [R],
-) {
-    let Some(difference) = difference.first_chunk_mut::<N>() else { return };
-    for lane in 0..R::WIDTH {
-        let (a, lane_a) = individual(population, from_a, lane);
-        let (b, lane_b) = individual(population, from_b, lane);
-        if let (Some(a), Some(b)) = (a.first_chunk::<N>(), b.first_chunk::<N>()) {
-            for g in 0..N {
-                difference[g].set_lane(lane, a[g].lane(lane_a) - b[g].lane(lane_b));
-            }
-        }
-    }
-}
-
-/// Genes and lane of the individual whose place stands in a lane.
-#[inline(always)]
-fn individual<R: Real>(population: &Population<R>, places: R, lane: usize) -> (&[R], usize) {
-    let place = places.lane(lane).to_bits() as u32 as usize;
-    let first = place / R::WIDTH;
-    (&population.genes[first..first + population.dof], place % R::WIDTH)
 }
 
 #[cfg(test)]
@@ -378,11 +391,22 @@ mod tests {
         let (size, i) = (6, 2usize);
         let mut stream = Stream::new(0);
         let mut counts = [[0u32; 6]; 6];
+        let mut genes = [[0u32; 7]; 6];
         for _ in 0..20_000 {
-            let a: f64 = skip(below(size - 1, &mut stream), i as f64);
+            let word: u64 = stream.words();
+            let (a, rest) = below::<f64>(size - 1, word);
+            let a = skip(a, i as f64);
             let (low, high) = (a.min(i as f64), a.max(i as f64));
-            let b = skip(skip(below(size - 2, &mut stream), low), high);
+            let (b, _) = below::<f64>(size - 2, word >> 32);
+            let b = skip(skip(b, low), high);
             counts[a as usize][b as usize] += 1;
+            // What the choice of the first leaves chooses the gene that is always taken.
+            let (forced, _) = below::<f64>(7, rest);
+            genes[a as usize][forced as usize] += 1;
+        }
+        for (a, row) in genes.iter().enumerate() {
+            let expected = if a == i { 0..1 } else { 460..690 };
+            assert!(row.iter().all(|count| expected.contains(count)), "{a} {row:?}");
         }
         for (a, row) in counts.iter().enumerate() {
             for (b, &count) in row.iter().enumerate() {
@@ -390,6 +414,38 @@ mod tests {
                     assert_eq!(count, 0);
                 } else {
                     assert!((800..1200).contains(&count), "{a} {b} {count}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn genes_are_taken_at_their_rate() {
+        let rules = (Mutation::Best1, Boundary::Clamp);
+        let mut stream = Stream::new(8);
+        for dof in [1, 3, 6, 7, 11] {
+            let ranges = vec![Gene { lower: -9.0, upper: 9.0, turns: false }.range(); dof];
+            let (parents, best, none) = (vec![0.0; dof], vec![1.0; dof], vec![0.0; dof]);
+            let parts = Parts { weight: 0.5, best: &best, base: &none, difference: &none };
+            for rate in [0.0, 0.25, 0.739_583, 1.0, 1.1] {
+                let mut taken = vec![0u32; dof];
+                for trial in 0..8000u64 {
+                    let forced = trial % dof as u64;
+                    let mut made = vec![-1.0; dof];
+                    cross(rules, &parts, (rate, forced), &parents, &ranges, &mut stream, &mut made);
+                    assert_eq!(made[forced as usize], 1.0);
+                    for (taken, made) in taken.iter_mut().zip(&made) {
+                        assert!(*made == 0.0 || *made == 1.0);
+                        *taken += u32::from(*made == 1.0);
+                    }
+                }
+                // Five deviations; rates of nothing and of all are exact.
+                let forced = 1.0 / dof as f64;
+                let chance = forced + (1.0 - forced) * rate.min(1.0);
+                let spread = 5.0 * (rate * (1.0 - rate)).max(0.0).sqrt() * 8000f64.sqrt();
+                for count in taken {
+                    let off = (f64::from(count) - 8000.0 * chance).abs();
+                    assert!(off <= spread + 1.0, "{dof} genes, rate {rate}: {count}");
                 }
             }
         }

@@ -43,10 +43,29 @@ impl Gene {
             .collect()
     }
 
-    /// The middle of the range.
-    pub fn middle(&self) -> f64 {
-        0.5 * (self.lower + self.upper)
+    /// The same for a gene of several individuals.
+    #[inline(always)]
+    pub fn range<R: Real>(&self) -> Range<R> {
+        Range {
+            lower: R::splat(self.lower),
+            upper: R::splat(self.upper),
+            middle: R::splat(0.5 * (self.lower + self.upper)),
+            turns: self.turns,
+        }
     }
+}
+
+/// A [`Gene`] in lanes.
+#[derive(Debug, Clone, Copy)]
+pub struct Range<R> {
+    /// Smallest value, rad or m.
+    pub lower: R,
+    /// Largest value, rad or m.
+    pub upper: R,
+    /// Between these.
+    pub middle: R,
+    /// A joint without limits.
+    pub turns: bool,
 }
 
 /// Individuals with their costs: blocks of one vector per gene.
@@ -141,6 +160,15 @@ impl<R: Real> Population<R> {
         let (start, lane) = self.place(i);
         for (x, gene) in q.iter_mut().zip(&self.genes[start..start + self.dof]) {
             *x = gene.lane(lane);
+        }
+    }
+
+    /// Copies an individual's genes out, each into all lanes.
+    #[inline(always)]
+    pub fn spread(&self, i: usize, genes: &mut [R]) {
+        let (start, lane) = self.place(i);
+        for (x, gene) in genes.iter_mut().zip(&self.genes[start..start + self.dof]) {
+            *x = R::splat(gene.lane(lane));
         }
     }
 

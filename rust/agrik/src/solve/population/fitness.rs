@@ -4,7 +4,7 @@
 use super::evaluator::Fitness;
 use crate::chain::Tail;
 use crate::kinematics::Workspace;
-use crate::lanes::{Real, V3, angle_over_sine, dot, hypotenuse};
+use crate::lanes::{CHORD2, Real, V3, angle_over_sine, dot, hypotenuse, squared_angles};
 use crate::task::{AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task};
 
 /// How the distance of two orientations is measured.
@@ -50,6 +50,10 @@ pub(super) struct EulerGoal {
 }
 
 impl EulerGoal {
+    fn angles(&self) -> [(f64, f64); 3] {
+        [self.alpha, self.beta, self.gamma]
+    }
+
     /// Angles of a frame given by its columns.
     pub fn of(axes: [[f64; 3]; 3]) -> Self {
         let [x, y, z] = axes;
@@ -85,6 +89,31 @@ fn squared_difference<R: Real>((c, s): (R, R), (c0, s0): (f64, f64)) -> R {
     squared_angle(c.mul_add(c0, s * s0), s.mul_add(c0, -(c * s0)))
 }
 
+/// Sum of the squared differences of angles given as directions.
+#[inline(always)]
+fn summed_squares<R: Real, const N: usize>(got: [(R, R); N], wanted: [(f64, f64); N]) -> R {
+    let mut chord2 = [R::zero(); N];
+    let mut largest = R::zero();
+    for i in 0..N {
+        let (c, s) = (got[i].0 - R::splat(wanted[i].0), got[i].1 - R::splat(wanted[i].1));
+        chord2[i] = c.mul_add(c, s * s);
+        largest = largest.max(chord2[i]);
+    }
+    let mut squares = squared_angles(chord2);
+    let far = R::splat(CHORD2).lt(largest);
+    // Mostly a population is near its target.
+    if R::bits(far) != 0 {
+        for i in 0..N {
+            squares[i] = R::select(far, squared_difference(got[i], wanted[i]), squares[i]);
+        }
+    }
+    let mut sum = squares[0];
+    for square in &squares[1..] {
+        sum += *square;
+    }
+    sum
+}
+
 impl<R: Real> TaskFitness<'_, R> {
     #[inline(always)]
     fn weighted(&self, position2: R, orientation2: R) -> R {
@@ -110,10 +139,7 @@ impl<R: Real> TaskFitness<'_, R> {
             gamma.0 = R::select(gimbal, R::splat(1.0), gamma.0);
             gamma.1 = R::select(gimbal, R::zero(), gamma.1);
         }
-        let t = &self.target;
-        squared_difference(alpha, t.alpha)
-            + squared_difference((z[2], sine), t.beta)
-            + squared_difference(gamma, t.gamma)
+        summed_squares([alpha, (z[2], sine), gamma], self.target.angles())
     }
 }
 
@@ -154,5 +180,32 @@ impl<R: Real> Fitness<R> for TaskFitness<'_, R> {
             way2 = d.mul_add(d, way2);
         }
         R::splat(weight).mul_add(way2.sqrt(), error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{PI, TAU};
+
+    #[test]
+    fn differences_of_angles_are_wrapped_and_squared() {
+        let turn = |angle: f64| (angle.cos(), angle.sin());
+        for i in -60..=60 {
+            for j in [-3.1, -1.0, 0.0, 0.4, 2.9] {
+                for tiny in [0.0, 1e-9, 0.02] {
+                    let (got, wanted) = (f64::from(i) * 0.05 + tiny, j);
+                    let apart = |a: f64, b: f64| (a - b) - TAU * ((a - b) / TAU).round();
+                    let expected = apart(got, wanted).powi(2) + tiny * tiny;
+                    let sum =
+                        summed_squares([turn(got), turn(0.3 + tiny)], [turn(wanted), turn(0.3)]);
+                    let off = (sum.sqrt() - expected.sqrt()).abs();
+                    assert!(off < 1e-14, "{got} and {wanted}: off by {off:e}");
+                }
+            }
+        }
+        // Half a turn is the farthest there is.
+        let half = summed_squares([turn(PI)], [turn(0.0)]);
+        assert!((half.sqrt() - PI).abs() < 1e-14);
     }
 }

@@ -98,7 +98,7 @@ impl Genetic {
                     if stream.uniform() < self.mutation_rate {
                         *x += self.mutation_width * (gene.upper - gene.lower) * stream.normal();
                     }
-                    *x = self.boundary.apply(*x, gene, stream);
+                    *x = self.boundary.apply(*x, &gene.range(), stream);
                 }
                 children.write(made, child);
                 made += 1;

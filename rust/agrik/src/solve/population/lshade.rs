@@ -111,7 +111,7 @@ pub(super) fn run<R: Real, F: Fitness<R>>(
             for g in 0..dof {
                 if g == forced || stream.uniform() < rate {
                     let mutant = x[g] + weight * (goal[g] - x[g]) + weight * (a[g] - b[g]);
-                    x[g] = settings.boundary.apply(mutant, &genes[g], stream);
+                    x[g] = settings.boundary.apply(mutant, &genes[g].range(), stream);
                 }
             }
             trial.write(i, &x);

@@ -14,13 +14,14 @@ mod genetic;
 mod lshade;
 mod progress;
 mod random;
+mod rows;
 mod run;
 mod search;
 mod settings;
 
 pub use boundary::Boundary;
 pub use differential::{Adaptation, Differential, Mutation, Redraw};
-pub use evaluator::{Evaluator, Fitness, Gene, Population};
+pub use evaluator::{Evaluator, Fitness, Gene, Population, Range};
 pub use fitness::Orientation;
 pub use genetic::Genetic;
 pub use progress::{End, Progress};

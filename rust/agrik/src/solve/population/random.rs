@@ -1,48 +1,23 @@
 //! Random numbers for a population: eight interleaved xoshiro256++ generators, so that the
-//! numbers of a whole vector are made in step.
+//! words of a whole vector are made in step.
 
-use crate::lanes::Real;
+use crate::lanes::{Real, Words};
 
 /// Generators side by side: the widest vector there is.
 const WIDE: usize = 8;
-/// Numbers made in one go; a multiple of every vector's width.
-const KEPT: usize = 8 * WIDE;
-/// Bits of the fraction of a double, and of the number 1.
-const FRACTION: u64 = (1 << 52) - 1;
+/// Words made in one go; a multiple of every vector's width.
+const KEPT: usize = 16 * WIDE;
+/// Bits of the number 1.
 const ONE: u64 = 1.0f64.to_bits();
 
-/// A stream of uniform numbers. What it yields depends on its key and on how it is asked,
+/// A stream of random words. What it yields depends on its key and on how it is asked,
 /// never on the instruction set.
 #[derive(Debug, Clone)]
 pub struct Stream {
     state: [[u64; WIDE]; 4],
-    fine: Kept,
-    coarse: Kept,
-}
-
-/// Numbers made but not yet given out.
-#[derive(Debug, Clone)]
-struct Kept {
-    numbers: [f64; KEPT],
+    /// Words made but not yet given out.
+    kept: [u64; KEPT],
     used: usize,
-}
-
-impl Kept {
-    const EMPTY: Self = Self { numbers: [0.0; KEPT], used: KEPT };
-
-    /// Whether so many are left.
-    #[inline(always)]
-    fn has(&self, count: usize) -> bool {
-        self.used + count <= KEPT
-    }
-
-    /// One number per lane.
-    #[inline(always)]
-    fn take<R: Real>(&mut self) -> R {
-        let from = self.used;
-        self.used = from + R::WIDTH;
-        R::load(&self.numbers[from..from + R::WIDTH])
-    }
 }
 
 impl Stream {
@@ -58,7 +33,18 @@ impl Stream {
             z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
             *word = z ^ (z >> 31);
         }
-        Self { state, fine: Kept::EMPTY, coarse: Kept::EMPTY }
+        Self { state, kept: [0; KEPT], used: KEPT }
+    }
+
+    /// One word per lane, all its bits even.
+    #[inline(always)]
+    pub fn words<W: Words>(&mut self) -> W {
+        if self.used + W::WIDTH > KEPT {
+            self.refill::<W>();
+        }
+        let from = self.used;
+        self.used = from + W::WIDTH;
+        W::load(&self.kept[from..])
     }
 
     /// A number in [0, 1).
@@ -70,19 +56,8 @@ impl Stream {
     /// One number in [0, 1) per lane.
     #[inline(always)]
     pub fn uniforms<R: Real>(&mut self) -> R {
-        if !self.fine.has(R::WIDTH) {
-            self.refill();
-        }
-        self.fine.take()
-    }
-
-    /// One multiple of 2^-32 in [0, 1) per lane: enough for a choice, at half the price.
-    #[inline(always)]
-    pub fn choices<R: Real>(&mut self) -> R {
-        if !self.coarse.has(R::WIDTH) {
-            self.refill_coarse();
-        }
-        self.coarse.take()
+        let words: R::Words = self.words();
+        R::from_words(words.down::<12>().or(R::Words::splat(ONE))) - R::splat(1.0)
     }
 
     /// A whole number below `n`, which is small beside 2^52.
@@ -109,50 +84,28 @@ impl Stream {
     }
 
     #[inline(always)]
-    fn refill(&mut self) {
-        for row in self.fine.numbers.as_chunks_mut::<WIDE>().0 {
-            words(&mut self.state, row.each_mut(), |word, x| {
-                *x = f64::from_bits(word >> 12 | ONE) - 1.0;
-            });
+    fn refill<W: Words>(&mut self) {
+        for first in (0..WIDE).step_by(W::WIDTH) {
+            let mut a = W::load(&self.state[0][first..]);
+            let mut b = W::load(&self.state[1][first..]);
+            let mut c = W::load(&self.state[2][first..]);
+            let mut d = W::load(&self.state[3][first..]);
+            for row in self.kept.as_chunks_mut::<WIDE>().0 {
+                a.plus(d).rotated::<23, 41>().plus(a).store(&mut row[first..]);
+                let t = b.up::<17>();
+                c = c.xor(a);
+                d = d.xor(b);
+                b = b.xor(c);
+                a = a.xor(d);
+                c = c.xor(t);
+                d = d.rotated::<45, 19>();
+            }
+            a.store(&mut self.state[0][first..]);
+            b.store(&mut self.state[1][first..]);
+            c.store(&mut self.state[2][first..]);
+            d.store(&mut self.state[3][first..]);
         }
-        self.fine.used = 0;
-    }
-
-    /// Either half of a word makes a number.
-    #[inline(always)]
-    fn refill_coarse(&mut self) {
-        let (first, second) = self.coarse.numbers.split_at_mut(KEPT / 2);
-        let rows = first.as_chunks_mut::<WIDE>().0.iter_mut();
-        for (first, second) in rows.zip(second.as_chunks_mut::<WIDE>().0) {
-            words(&mut self.state, first.iter_mut().zip(second), |word, (x, y)| {
-                *x = f64::from_bits(word >> 12 & !0xf_ffff | ONE) - 1.0;
-                *y = f64::from_bits(word << 20 & FRACTION | ONE) - 1.0;
-            });
-        }
-        self.coarse.used = 0;
-    }
-}
-
-/// The next word of every generator, each handed to `put` with its place in `to`.
-///
-/// The loop is over references into the state, not over copies of it: so the compiler makes
-/// vector instructions of it, which are a tenth as many.
-#[inline(always)]
-fn words<T>(
-    state: &mut [[u64; WIDE]; 4],
-    to: impl IntoIterator<Item = T>,
-    mut put: impl FnMut(u64, T),
-) {
-    let [a, b, c, d] = state;
-    for ((((a, b), c), d), to) in a.iter_mut().zip(b).zip(c).zip(d).zip(to) {
-        put(a.wrapping_add(*d).rotate_left(23).wrapping_add(*a), to);
-        let t = *b << 17;
-        *c ^= *a;
-        *d ^= *b;
-        *b ^= *c;
-        *a ^= *d;
-        *c ^= t;
-        *d = d.rotate_left(45);
+        self.used = 0;
     }
 }
 
@@ -176,22 +129,37 @@ mod tests {
         let mut stream = Stream::new(3);
         let chi2 = unevenness(100_000, || stream.uniform());
         assert!(chi2 < 43.8, "chi2 {chi2}");
-        let mut stream = Stream::new(3);
-        let chi2 = unevenness(100_000, || stream.choices());
-        assert!(chi2 < 43.8, "chi2 {chi2}");
         // Their fine digits are, too.
-        let chi2 = unevenness(100_000, || (stream.choices::<f64>() * f64::from(1 << 20)).fract());
+        let chi2 = unevenness(100_000, || (stream.uniform() * 2f64.powi(40)).fract());
         assert!(chi2 < 43.8, "chi2 {chi2}");
+        // So is every field of a word of which 16 bits are used alone.
+        for field in 0..4 {
+            let chi2 = unevenness(100_000, || {
+                f64::from((stream.words::<u64>() >> (16 * field)) as u16) / 65_536.0
+            });
+            assert!(chi2 < 43.8, "field {field}: chi2 {chi2}");
+        }
     }
 
     #[test]
-    fn choices_have_32_bits() {
-        let mut stream = Stream::new(5);
-        let scaled: Vec<f64> =
-            (0..10_000).map(|_| stream.choices::<f64>() * 2f64.powi(32)).collect();
-        assert!(scaled.iter().all(|x| x.fract() == 0.0 && (0.0..2f64.powi(32)).contains(x)));
-        let odd = scaled.iter().filter(|x| **x % 2.0 == 1.0).count();
-        assert!((4_800..5_200).contains(&odd), "{odd}");
+    fn words_are_those_of_the_published_generator() {
+        // xoshiro256++ as its authors print it, eight of them in turns.
+        let seeded = Stream::new(5);
+        let mut states: Vec<[u64; 4]> =
+            (0..WIDE).map(|g| [0, 1, 2, 3].map(|i| seeded.state[i][g])).collect();
+        let mut stream = seeded.clone();
+        for turn in 0..1000 {
+            let s = &mut states[turn % WIDE];
+            let expected = s[0].wrapping_add(s[3]).rotate_left(23).wrapping_add(s[0]);
+            let t = s[1] << 17;
+            s[2] ^= s[0];
+            s[3] ^= s[1];
+            s[1] ^= s[2];
+            s[0] ^= s[3];
+            s[2] ^= t;
+            s[3] = s[3].rotate_left(45);
+            assert_eq!(stream.words::<u64>(), expected);
+        }
     }
 
     #[test]
@@ -199,8 +167,7 @@ mod tests {
         let mut all: Vec<u64> = Vec::new();
         for key in 0..50 {
             let mut stream = Stream::new(key);
-            all.extend((0..64).map(|_| stream.uniform().to_bits()));
-            all.extend((0..64).map(|_| stream.choices::<f64>().to_bits()));
+            all.extend((0..128).map(|_| stream.uniform().to_bits()));
         }
         all.sort_unstable();
         all.dedup();
