@@ -15,7 +15,7 @@ mod x86;
 
 pub use dispatch::{Kernel, Level, VARIABLE, dispatch, dispatch_single};
 pub use trig::sin_cos_by_quadrant;
-pub(crate) use trig::{angle_over_sine, atan2, atan2_each};
+pub(crate) use trig::{angle_over_sine, atan2, atan2_each, atan2_rough};
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
