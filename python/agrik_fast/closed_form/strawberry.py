@@ -312,6 +312,9 @@ class StrawberryArm:
     def suggest_base_shift(self, targets: ArrayLike, axes: str = "xyz") -> FloatArray:
         """Return the smallest translations of the platform that bring targets in reach.
 
+        Proven to be the smallest but for 1e-8 m: pitch in closed form, roll by pieces that
+        are halved until no piece's lower bound is shorter.
+
         Parameters
         ----------
         targets : array_like, shape (..., 3), m

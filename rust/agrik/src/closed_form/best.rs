@@ -159,10 +159,25 @@ impl Kernel for InLanes<'_, '_> {
         let mut i = self.begin;
         while i < self.end {
             let (used, bad) = query.load(&mut group, rows.first + i, rows.first + self.end);
-            let mut proven = 0;
+            let (mut proven, mut left) = (0, used);
             if let Some(arm) = free {
-                proven =
+                let found =
                     best_angle::search(arm, &mut group, query.choice, query.proof, used & !bad);
+                proven = found.none;
+                if found.known != 0 {
+                    group.solve_one(arm, &found.line, &found.elbow, found.sides);
+                    let mut done = found.known & group.valid(0);
+                    left &= !done;
+                    while done != 0 {
+                        let lane = done.trailing_zeros() as usize;
+                        done &= done - 1;
+                        answer(&group, lane, 0, rows, i + lane);
+                    }
+                }
+            }
+            if left == 0 {
+                i += R::WIDTH;
+                continue;
             }
             group.solve();
             let mut valid = [0; BRANCHES];
@@ -171,7 +186,7 @@ impl Kernel for InLanes<'_, '_> {
             }
             let best = query.choice.pick(&group, &valid);
             for lane in 0..R::WIDTH {
-                if used >> lane & 1 == 0 {
+                if left >> lane & 1 == 0 {
                     continue;
                 }
                 let row = i + lane;

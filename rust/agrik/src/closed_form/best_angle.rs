@@ -1,24 +1,55 @@
 //! The best arm angle of S-R-S arms: a quick look round for every lane, then, where it is
 //! asked for, the proof (see [`super::certify`]) one target at a time.
+//!
+//! Elbow, shoulder and wrist each have two ways, and what one costs does not depend on the
+//! others: at an arm angle the best of the eight branches is the best way of each. After a
+//! rough look at arm angles all round, the best branch is followed to the least of a model
+//! of its joints (values, rates and second derivatives) in a range that shrinks as the
+//! model gets better.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use super::arm_angle::{elbows, intervals_of};
-use super::candidates::Lanes;
+use super::candidates::{JOINTS, Lanes};
 use super::certify::{self, Best};
 use super::choose::Choice;
 use super::settle::Group;
-use super::srs::{Reached, Srs};
-use crate::lanes::Real;
+use super::srs::{Elbow, Line, Reached, Srs};
+use super::sweep::{Moving, Sweep, Weight, cost_of_one, joined};
+use super::turn::{Side, Turn, minus};
+use crate::lanes::{Real, atan2};
 
 /// Arm angles of the first look at each target.
-const SAMPLES: usize = 8;
-/// Closer looks, each of which narrows the place of the best; a proof needs none.
-const LOOKS: usize = 3;
+const SAMPLES: usize = 10;
+/// Closer looks: how far from the best arm angle so far the next may be (rad), how many
+/// sections narrow its place, and how far from a limit it keeps, as the model is not exact.
+const LOOKS: [(f64, usize, f64); 3] = [(0.45, 6, 1e-3), (0.1, 8, 1e-5), (0.005, 13, 1e-9)];
 
-/// Puts the best arm angle of each lane of `used` into the group; returns the lanes for
-/// which it is proven that no arm angle brings a branch inside the limits. Without `proof`
-/// the best of those looked at.
+/// What was found for the lanes of a group.
+pub(super) struct Found<R> {
+    /// Lanes for which it is proven that no arm angle brings a branch inside the limits.
+    pub none: Lanes,
+    /// Lanes whose best branch is known.
+    pub known: Lanes,
+    /// That branch's line, elbow and sides.
+    pub line: Line<R>,
+    pub elbow: Elbow<R>,
+    pub sides: [Side<R>; 2],
+}
+
+/// A branch at an arm angle.
+#[derive(Debug, Clone, Copy)]
+struct Spot<R> {
+    cost: R,
+    psi: R,
+    /// 1 for the second elbow, else 0.
+    elbow: R,
+    /// 1 and -1 for the first and the second side of shoulder and wrist.
+    sides: [R; 2],
+}
+
+/// Puts the best arm angle of each lane of `used` into the group. Without `proof` the best
+/// of those looked at.
 #[inline(always)]
 pub(super) fn search<R: Real>(
     arm: &Srs,
@@ -26,35 +57,24 @@ pub(super) fn search<R: Real>(
     choice: Choice,
     proof: bool,
     used: Lanes,
-) -> Lanes {
+) -> Found<R> {
     let proof = proof && certify::applies(arm);
     let at = arm.reach(&group.goal, group.job.tool(), &group.near.preferred);
-    let step = TAU / SAMPLES as f64;
-    let mut cost = R::splat(f64::INFINITY);
-    let mut psi = R::zero();
-    for k in 0..SAMPLES {
-        look(arm, &at, group, choice, R::splat(k as f64 * step - PI), &mut cost, &mut psi);
-    }
-    let mut width = step;
-    for _ in 0..if proof { 0 } else { LOOKS } {
-        width *= 0.5;
-        let middle = psi;
-        look(arm, &at, group, choice, middle - R::splat(width), &mut cost, &mut psi);
-        look(arm, &at, group, choice, middle + R::splat(width), &mut cost, &mut psi);
-    }
+    let weights = weights(arm, group, choice);
+    let margin = choice == Choice::Margin;
+    let spot = around(arm, &at, &weights, margin, group.angle);
+    let elbow = at.elbows[0].or(spot.elbow.lt(R::splat(0.5)), &at.elbows[1]);
+    let (cost, mut psi) = followed(arm, &at, &elbow, &weights, margin, &spot);
     let found = R::bits(cost.lt(R::splat(f64::MAX)));
     let mut none = 0;
     let mut left = if proof { used } else { used & !found };
+    let known = used & !left;
     while left != 0 {
         let lane = left.trailing_zeros() as usize;
         left &= left - 1;
         let mut best = Best { cost: f64::INFINITY, psi: 0.0 };
         if found >> lane & 1 != 0 {
             best = Best { cost: cost.lane(lane), psi: psi.lane(lane) };
-            if choice == Choice::Margin {
-                // From shares left to shares taken.
-                best.cost = (1.0 + best.cost).max(0.0);
-            }
         }
         if proof {
             certified(arm, group, choice, lane, &mut best);
@@ -68,30 +88,133 @@ pub(super) fn search<R: Real>(
         }
     }
     group.angle = psi.sin_cos();
-    none
+    let sides = [Side::of(spot.sides[0]), Side::of(spot.sides[1])];
+    Found { none, known, line: at.line, elbow, sides }
 }
 
-/// Takes an arm angle for the best where it is better than the best so far.
+/// How the joints count: the first three, the last three, and the fourth.
 #[inline(always)]
-fn look<R: Real>(
+fn weights<R: Real>(
+    arm: &Srs,
+    group: &Group<'_, R>,
+    choice: Choice,
+) -> ([[Weight<R>; 3]; 2], Weight<R>) {
+    let (limits, centre) = (group.job.limits(), &group.near.centre);
+    // The elbow's value has its offset taken off already.
+    let mut all = [Weight::of(choice, &limits[3], 0.0, centre[3]); JOINTS];
+    for j in [0, 1, 2, 4, 5, 6] {
+        all[j] = Weight::of(choice, &limits[j], arm.offset(j), centre[j]);
+    }
+    let [a, b, c, fourth, d, e, f] = all;
+    ([[a, b, c], [d, e, f]], fourth)
+}
+
+/// The best branch of arm angles all round, from that of the start values on.
+#[inline(always)]
+fn around<R: Real>(
     arm: &Srs,
     at: &Reached<R>,
-    group: &mut Group<'_, R>,
-    choice: Choice,
-    angle: R,
-    cost: &mut R,
-    psi: &mut R,
-) {
-    group.solve_at(arm, at, angle.sin_cos());
-    group.wrap();
-    let mut inside = group.inside;
-    for (lanes, candidate) in inside.iter_mut().zip(&group.candidates) {
-        *lanes &= !candidate.merged;
+    weights: &([[Weight<R>; 3]; 2], Weight<R>),
+    margin: bool,
+    start: Turn<R>,
+) -> Spot<R> {
+    let (one, infinite) = (R::splat(1.0), R::splat(f64::INFINITY));
+    let base = atan2(start.0, start.1);
+    let mut best = Spot { cost: infinite, psi: R::zero(), elbow: R::zero(), sides: [one; 2] };
+    for (i, elbow) in at.elbows.iter().enumerate() {
+        let fourth = cost_of_one(&weights.1, elbow.fourth, margin);
+        let fourth = R::select(R::mask_from_bits(elbow.merged), infinite, fourth);
+        let [shoulder, wrist] = Sweep::both(arm, &at.line, elbow, &weights.0);
+        for k in 0..SAMPLES {
+            let on = k as f64 * (TAU / SAMPLES as f64);
+            let (sine, cosine) = Real::sin_cos(on);
+            let angle = minus(start, (R::splat(-sine), R::splat(cosine)));
+            let psi = base + R::splat(on);
+            let (first, shoulder_side) = shoulder.glance(angle, margin);
+            let (last, wrist_side) = wrist.glance(angle, margin);
+            let cost = joined(fourth, joined(first, last, margin), margin);
+            let better = cost.lt(best.cost);
+            best.cost = R::select(better, cost, best.cost);
+            best.psi = R::select(better, psi, best.psi);
+            best.elbow = R::select(better, R::splat(i as f64), best.elbow);
+            best.sides[0] = R::select(better, shoulder_side, best.sides[0]);
+            best.sides[1] = R::select(better, wrist_side, best.sides[1]);
+        }
     }
-    let best = choice.pick(group, &inside);
-    let better = best.cost.lt(*cost);
-    *cost = R::select(better, best.cost, *cost);
-    *psi = R::select(better, angle, *psi);
+    best
+}
+
+/// The best arm angle near a branch, and what it costs; infinite where it is outside limits.
+#[inline(always)]
+fn followed<R: Real>(
+    arm: &Srs,
+    at: &Reached<R>,
+    elbow: &Elbow<R>,
+    weights: &([[Weight<R>; 3]; 2], Weight<R>),
+    margin: bool,
+    spot: &Spot<R>,
+) -> (R, R) {
+    let fourth = cost_of_one(&weights.1, elbow.fourth, margin);
+    let [shoulder, wrist] = Sweep::both(arm, &at.line, elbow, &weights.0);
+    let (mut cost, mut psi) = (R::splat(f64::INFINITY), spot.psi);
+    let mut next = spot.psi;
+    for look in 0..=LOOKS.len() {
+        let angle = next.sin_cos();
+        let moving = [shoulder.moving(angle, spot.sides[0]), wrist.moving(angle, spot.sides[1])];
+        let here = ahead(&moving, fourth, R::zero(), R::splat(-super::check::SLACK), margin);
+        let here = R::select(here.lt(R::splat(OUTSIDE)), here, R::splat(f64::INFINITY));
+        let better = here.lt(cost);
+        cost = R::select(better, here, cost);
+        psi = R::select(better, next, psi);
+        let Some(&(width, sections, room)) = LOOKS.get(look) else { break };
+        let way = least(&moving, fourth, margin, width, sections, R::splat(room));
+        next += way;
+    }
+    (cost, psi)
+}
+
+/// More than any cost.
+const OUTSIDE: f64 = 1e9;
+
+/// Cost of a branch a little way on; above [`OUTSIDE`] and growing where joints are past
+/// their limits.
+#[inline(always)]
+fn ahead<R: Real>(moving: &[Moving<R>; 2], fourth: R, way: R, room: R, margin: bool) -> R {
+    let (first, past_first) = moving[0].ahead(way, room, margin);
+    let (last, past_last) = moving[1].ahead(way, room, margin);
+    let past = past_first.max(past_last);
+    let cost = joined(fourth, joined(first, last, margin), margin);
+    let outside = past.mul_add(R::splat(OUTSIDE), R::splat(OUTSIDE));
+    R::select(past.le(R::zero()), cost, outside)
+}
+
+/// The way of at most `width` to where the cost is least, by golden section.
+#[inline(always)]
+fn least<R: Real>(
+    moving: &[Moving<R>; 2],
+    fourth: R,
+    margin: bool,
+    width: f64,
+    sections: usize,
+    room: R,
+) -> R {
+    const RATIO: f64 = 0.618_033_988_749_894_9;
+    let (mut a, mut b) = (R::splat(-width), R::splat(width));
+    let mut size = 2.0 * width * RATIO;
+    let (mut c, mut d) = (b - R::splat(size), a + R::splat(size));
+    let mut at_c = ahead(moving, fourth, c, room, margin);
+    let mut at_d = ahead(moving, fourth, d, room, margin);
+    for _ in 0..sections {
+        size *= RATIO;
+        let lower = at_c.le(at_d);
+        a = R::select(lower, a, c);
+        b = R::select(lower, d, b);
+        let new = R::select(lower, b - R::splat(size), a + R::splat(size));
+        let here = ahead(moving, fourth, new, room, margin);
+        (c, d) = (R::select(lower, new, d), R::select(lower, c, new));
+        (at_c, at_d) = (R::select(lower, here, at_d), R::select(lower, at_c, here));
+    }
+    R::select(at_c.le(at_d), c, d)
 }
 
 /// The best of one lane, proven.
@@ -118,8 +241,16 @@ fn middles<R: Real>(arm: &Srs, group: &Group<'_, R>, choice: Choice, lane: usize
         for interval in branch {
             for share in [0.5, 0.1, 0.9] {
                 let angle = interval.lower + share * (interval.upper - interval.lower);
-                let Best { cost, psi } = best;
-                look(arm, &at, &mut single, choice, angle, cost, psi);
+                single.solve_at(arm, &at, angle.sin_cos());
+                single.wrap();
+                let mut inside = single.inside;
+                for (lanes, candidate) in inside.iter_mut().zip(&single.candidates) {
+                    *lanes &= !candidate.merged;
+                }
+                let cost = choice.pick(&single, &inside).cost;
+                if cost < best.cost {
+                    *best = Best { cost, psi: angle };
+                }
             }
         }
     }

@@ -54,6 +54,13 @@ fn wrap<R: Real>(limits: &[Limit], q: &mut [R], centre: &[R]) -> Lanes {
     R::bits(inside)
 }
 
+/// Brings the joint values of a branch within limits by whole turns; returns the lanes in
+/// which all are.
+#[inline(always)]
+pub fn wrap_one<R: Real>(limits: &[Limit], one: &mut Candidate<R>, centre: &[R; JOINTS]) -> Lanes {
+    wrap(limits, &mut one.q, centre)
+}
+
 /// Two branches that differ in the last three joints alone.
 pub type Pair<R> = [Candidate<R>; 2];
 
@@ -120,6 +127,17 @@ impl<'a> Exact<'a> {
         }
         let two = start.after(self.compiled, shared..joints, &ordered);
         [self.left(&one, goal), self.left(&two, goal)]
+    }
+
+    /// The same for one branch.
+    #[inline(always)]
+    pub fn miss<R: Real>(&self, q: &[R; JOINTS], goal: &Goal<R>) -> (R, R) {
+        let mut ordered = [R::zero(); JOINTS];
+        for (x, variable) in q.iter().zip(self.variables) {
+            ordered[*variable] = *x;
+        }
+        let all = 0..self.variables.len();
+        self.left(&Frame::start(self.compiled).after(self.compiled, all, &ordered), goal)
     }
 
     #[inline(always)]

@@ -26,6 +26,7 @@ mod shoulder;
 mod spherical_wrist;
 mod srs;
 pub mod strawberry;
+mod sweep;
 pub mod tomato;
 mod turn;
 mod wheel;

@@ -1,10 +1,10 @@
 //! A lane group at work: what every closed form does with its goals and candidates.
 
 use super::candidates::{BRANCHES, Candidate, JOINTS, Lanes};
-use super::check::{Exact, Limit, wrap_pair};
+use super::check::{Exact, Limit, wrap_one, wrap_pair};
 use super::choose::Choice;
-use super::srs::{Reached, Srs};
-use super::turn::Turn;
+use super::srs::{Elbow, Line, Reached, Srs};
+use super::turn::{Side, Turn};
 use super::{ClosedForm, geometry::Geometry};
 use crate::chain::{Chain, Tail};
 use crate::kinematics::{Workspace, forward};
@@ -173,6 +173,18 @@ impl<'a, R: Real> Group<'a, R> {
                 self.chord2[b] = chord2;
             }
         }
+    }
+
+    /// One branch of an S-R-S arm at the arm angle in place of the first of all, checked.
+    #[inline(always)]
+    pub fn solve_one(&mut self, arm: &Srs, line: &Line<R>, elbow: &Elbow<R>, sides: [Side<R>; 2]) {
+        let preferred = &self.near.preferred;
+        let mut one = arm.one(line, elbow, sides, self.angle, preferred);
+        self.inside[0] = wrap_one(self.job.limits(), &mut one, &self.near.centre);
+        let (position2, chord2) = self.job.exact.miss(&one.q, &self.goal);
+        self.reached[0] = self.job.exact.is_near(position2, chord2) & !one.merged;
+        (self.position2[0], self.chord2[0]) = (position2, chord2);
+        self.candidates[0] = one;
     }
 
     /// Branches at an arm angle, not yet within limits nor checked.

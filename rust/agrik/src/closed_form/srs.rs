@@ -13,7 +13,7 @@ use super::spherical_wrist::wrist_center;
 use super::turn::{
     Meeting, Root, Side, Turn, Turned, advance, components, direction, identity, linear,
 };
-use crate::lanes::{Real, V3, axpy, blend, cross, dot, hypotenuse, scale, splat3, sub};
+use crate::lanes::{Real, V3, axpy, blend, cross, dot, hypotenuse, scale, select3, splat3, sub};
 use crate::task::Goal;
 
 /// A recognised arm.
@@ -42,6 +42,30 @@ pub(super) struct Elbow<R> {
     pub frame: [V3<R>; 3],
     pub merged: u32,
     pub singular: u32,
+}
+
+impl<R: Real> Elbow<R> {
+    /// This one where the mask holds, else another.
+    #[inline(always)]
+    pub fn or(&self, mask: R::Mask, other: &Self) -> Self {
+        let lanes = R::bits(mask);
+        let pick = |a: u32, b: u32| (a & lanes) | (b & !lanes);
+        let (f, g) = (&self.frame, &other.frame);
+        Self {
+            turn: (
+                R::select(mask, self.turn.0, other.turn.0),
+                R::select(mask, self.turn.1, other.turn.1),
+            ),
+            fourth: R::select(mask, self.fourth, other.fourth),
+            frame: [
+                select3::<R>(mask, f[0], g[0]),
+                select3::<R>(mask, f[1], g[1]),
+                select3::<R>(mask, f[2], g[2]),
+            ],
+            merged: pick(self.merged, other.merged),
+            singular: pick(self.singular, other.singular),
+        }
+    }
 }
 
 /// What does not depend on the arm angle.
@@ -135,7 +159,7 @@ impl Srs {
         let (up, upright) = upright_part(z, to_wrist);
         let upside = upright.lt(R::splat(1e-9));
         let lean_x = if R::bits(upside) == 0 { up } else { upright_part(x, to_wrist).0 };
-        let zero = crate::lanes::select3::<R>(upside, lean_x, up);
+        let zero = select3::<R>(upside, lean_x, up);
         Line {
             length,
             frame: [to_wrist, zero, cross(to_wrist, zero)],
@@ -179,7 +203,7 @@ impl Srs {
         let straight = out.lt(R::splat(1e-9));
         let hinge = splat3::<R>([0.0, -three.sine, three.cosine]);
         let (bent, _) = direction(cross(hinge, along));
-        let side = crate::lanes::select3::<R>(straight, bent, side);
+        let side = select3::<R>(straight, bent, side);
         let phase = self.phase.sin_cos();
         let turn = super::turn::minus((s, c), (R::splat(phase.0), R::splat(phase.1)));
         Elbow {
@@ -288,6 +312,22 @@ impl Srs {
             Self::branch(&elbow, &shoulder, &self.last_three(&at, preferred, one)),
             Self::branch(&elbow, &shoulder, &self.last_three(&at, preferred, two)),
         ]
+    }
+
+    /// One branch at an arm angle (sine and cosine): that of an elbow and of the sides of
+    /// shoulder and wrist.
+    #[inline(always)]
+    pub(super) fn one<R: Real>(
+        &self,
+        line: &Line<R>,
+        elbow: &Elbow<R>,
+        sides: [Side<R>; 2],
+        angle: Turn<R>,
+        preferred: &[Turn<R>],
+    ) -> Candidate<R> {
+        let at = self.at(line, elbow, angle);
+        let first = self.first_three(&at, preferred, sides[0]);
+        Self::branch(elbow, &first, &self.last_three(&at, preferred, sides[1]))
     }
 
     /// What the shoulder and the wrist have to bring about at an arm angle.

@@ -41,6 +41,12 @@ impl<R: Real> Side<R> {
         [Self::first(), Self::second()]
     }
 
+    /// The side of a sign, 1 or -1.
+    #[inline(always)]
+    pub fn of(sign: R) -> Self {
+        Self { sign, second: R::bits(sign.lt(R::zero())) }
+    }
+
     /// The second in the lanes `i` for which bit `bit` of `first + i` is set: lanes count
     /// through the ways to take several sides.
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 use super::{Workspace, columns, forward};
 use crate::chain::{Chain, Tail};
-use crate::lanes::{Kernel, Level, Real, V3, dispatch, dispatch_single};
+use crate::lanes::{Kernel, Level, Real, V3, WIDEST, dispatch, dispatch_single};
 
 /// Numbers of one pose.
 const POSE: usize = 16;
@@ -44,12 +44,7 @@ impl Kernel for Poses<'_> {
             let rows = from.len() / dof;
             load(from, dof, rows, &mut q);
             forward(compiled, &q, &mut workspace);
-            let pose = pose_rows(&workspace, &compiled.tail);
-            for (i, x) in pose.iter().enumerate() {
-                for (row, matrix) in to.chunks_exact_mut(POSE).enumerate() {
-                    matrix[i] = x.lane(row);
-                }
-            }
+            unload(&pose_rows(&workspace, &compiled.tail), to);
         }
     }
 }
@@ -93,11 +88,7 @@ impl Kernel for Jacobians<'_> {
                     sums[(k + 3) * dof + variable] += angular[k];
                 }
             });
-            for (i, x) in sums.iter().enumerate() {
-                for (row, matrix) in to.chunks_exact_mut(size).enumerate() {
-                    matrix[i] = x.lane(row);
-                }
-            }
+            unload(&sums, to);
         }
     }
 }
@@ -105,9 +96,38 @@ impl Kernel for Jacobians<'_> {
 /// Puts `rows` rows of joint values into the lanes; lanes without a row repeat the last.
 #[inline(always)]
 fn load<R: Real>(from: &[f64], dof: usize, rows: usize, q: &mut [R]) {
-    for (i, x) in q.iter_mut().enumerate() {
+    let whole = if rows == R::WIDTH { dof - dof % R::WIDTH } else { 0 };
+    let (squares, rest) = q.split_at_mut(whole);
+    for (k, values) in squares.chunks_exact_mut(R::WIDTH).enumerate() {
+        for (row, value) in values.iter_mut().enumerate() {
+            *value = R::load(&from[row * dof + k * R::WIDTH..]);
+        }
+        R::transpose(values);
+    }
+    for (i, x) in rest.iter_mut().enumerate() {
         for lane in 0..R::WIDTH {
-            x.set_lane(lane, from[lane.min(rows - 1) * dof + i]);
+            x.set_lane(lane, from[lane.min(rows - 1) * dof + whole + i]);
+        }
+    }
+}
+
+/// Writes what the lanes hold row by row, as many numbers a row as there are values.
+#[inline(always)]
+fn unload<R: Real>(values: &[R], to: &mut [f64]) {
+    let size = values.len();
+    let whole = if to.len() == size * R::WIDTH { size - size % R::WIDTH } else { 0 };
+    let (squares, rest) = values.split_at(whole);
+    for (k, values) in squares.chunks_exact(R::WIDTH).enumerate() {
+        let mut square = [R::zero(); WIDEST];
+        square[..R::WIDTH].copy_from_slice(values);
+        R::transpose(&mut square);
+        for (row, value) in square[..R::WIDTH].iter().enumerate() {
+            value.store(&mut to[row * size + k * R::WIDTH..]);
+        }
+    }
+    for (row, to) in to.chunks_exact_mut(size).enumerate() {
+        for (to, value) in to[whole..].iter_mut().zip(rest) {
+            *to = value.lane(row);
         }
     }
 }

@@ -18,10 +18,15 @@ mod x86_words;
 
 pub use dispatch::{Kernel, Level, VARIABLE, dispatch, dispatch_single};
 pub use trig::sin_cos_by_quadrant;
-pub(crate) use trig::{CHORD2, angle_over_sine, atan2, atan2_each, squared_angles, turns_each};
+pub(crate) use trig::{
+    CHORD2, angle_over_sine, atan2, atan2_each, atan2_rough, squared_angles, turns_each,
+};
 pub use words::Words;
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// Lanes of the widest vector there is.
+pub(crate) const WIDEST: usize = 8;
 
 /// A number, or a vector of numbers processed in step ("lanes").
 pub trait Real:
@@ -62,6 +67,14 @@ pub trait Real:
             loaded.set_lane(lane, *x);
         }
         loaded
+    }
+
+    /// Writes the numbers over the first ones of a slice, which holds at least as many.
+    #[inline(always)]
+    fn store(&self, to: &mut [f64]) {
+        for (lane, x) in to[..Self::WIDTH].iter_mut().enumerate() {
+            *x = self.lane(lane);
+        }
     }
 
     /// `self * a + b`, fused where the hardware level has it.

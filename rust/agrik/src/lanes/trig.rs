@@ -134,7 +134,7 @@ pub(crate) fn turns_each<R: Real, const N: usize>(x: &[R; N]) -> ([R; N], [R; N]
         -3.069_039_848_874_325e-5,
         3.682_847_818_679_688_7e-3,
         -1.767_766_952_966_367_8e-1,
-        1.414_213_562_373_095_1,
+        std::f64::consts::SQRT_2,
     ];
     let mut r = *x;
     let mut squared = *x;
@@ -225,7 +225,28 @@ pub(crate) fn atan2<R: Real>(y: R, x: R) -> R {
     atan2_each([y], [x])[0]
 }
 
-/// [`atan2`] of several directions in step.
+/// [`atan2`] of several directions to 1.2e-5 rad.
+#[inline(always)]
+pub(crate) fn atan2_rough<R: Real, const N: usize>(y: [R; N], x: [R; N]) -> [R; N] {
+    // Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.49.
+    const ATAN: [f64; 5] = [0.020_835_1, -0.085_133, 0.180_141, -0.330_299_5, 0.999_866];
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let mut out = [R::zero(); N];
+    for i in 0..N {
+        let (ay, ax) = (y[i].abs(), x[i].abs());
+        let steep = ax.lt(ay);
+        let large = R::select(steep, ay, ax).max(R::splat(f64::MIN_POSITIVE));
+        let t = R::select(steep, ax, ay) / large;
+        let angle = t * horner(t * t, ATAN);
+        let angle = R::select(steep, R::splat(FRAC_PI_2) - angle, angle);
+        let angle = R::select(x[i].lt(R::zero()), R::splat(PI) - angle, angle);
+        out[i] = R::select(y[i].lt(R::zero()), -angle, angle);
+    }
+    out
+}
+
+/// [`atan2`] of several directions, which share the loads of the polynomial and hide one
+/// another's waiting.
 #[inline(always)]
 pub(crate) fn atan2_each<R: Real, const N: usize>(y: [R; N], x: [R; N]) -> [R; N] {
     // fdlibm's polynomial for |t| <= 7/16.
@@ -286,6 +307,17 @@ mod tests {
         assert_eq!(atan2(0.0, 0.0), 0.0);
         assert_eq!(atan2(0.0, -1.0), std::f64::consts::PI);
         assert_eq!(atan2(-2.0, 0.0), -std::f64::consts::FRAC_PI_2);
+    }
+
+    #[test]
+    fn atan2_rough_within_its_bound() {
+        for i in 0..20_000 {
+            let angle = 1.000_05 * (f64::from(i) * 3.141_59e-4 - std::f64::consts::PI);
+            let (y, x) = angle.sin_cos();
+            let [rough] = atan2_rough([0.3 * y], [0.3 * x]);
+            assert!((rough - y.atan2(x)).abs() < 1.2e-5);
+        }
+        assert_eq!(atan2_rough([0.0], [0.0]), [0.0]);
     }
 
     /// Distance in units in the last place of the true value.

@@ -1,9 +1,8 @@
 //! AS and SSAS: beta and theta by the paper's rules.
 
 use super::sets::Window;
-use super::{Angle, Arm, Gap, Interval, Pose};
+use super::{Angle, Arm, Gap, Interval, Pose, Turn, other_leg};
 use crate::error::{Error, Result};
-use crate::lanes::angle_over_sine;
 
 /// Rounds of SSAS between beta and theta where a slide's limit decides theta; on all of
 /// table 3 there are none.
@@ -59,8 +58,27 @@ pub(super) struct PreparedRules {
     /// The step of [`ThetaRule::LeastMagnitude`]; `None` for the middle.
     step: Option<Angle>,
     /// Beta of least energy at the step.
-    beta: Angle,
+    beta: Turn,
 }
+
+/// Theta and beta.
+#[derive(Debug, Clone, Copy)]
+struct Pair {
+    theta: Turn,
+    beta: Turn,
+}
+
+/// What sines and cosines alone say about the set of theta.
+enum Found {
+    Nearest(Turn),
+    Empty,
+    /// Rounding decides.
+    Unsure,
+}
+
+const ZERO: Turn = Turn { sin: 0.0, cos: 1.0 };
+/// A sine or cosine this far past a limit is no rounding.
+const CLEAR: f64 = 1e-9;
 
 impl Arm {
     pub(super) fn prepare_rules(&self, rules: &Rules) -> PreparedRules {
@@ -68,7 +86,7 @@ impl Arm {
             ThetaRule::LeastMagnitude { step } => Some(Angle::new(step)),
             ThetaRule::Middle => None,
         };
-        let beta = self.best_beta(&step.unwrap_or(Angle::new(0.0)));
+        let beta = self.best_beta(step.map_or(ZERO, |step| step.turn));
         PreparedRules { s10_share: rules.s10_share, step, beta }
     }
 
@@ -79,105 +97,120 @@ impl Arm {
         rules: &PreparedRules,
     ) -> std::result::Result<Pose, Gap> {
         let set = self.s10_set(target)?;
+        let window = self.window(target);
         let s10 = set.low + rules.s10_share * (set.high - set.low);
-        let beta = self.beta_at(target, s10);
-        self.with_beta(target, &self.window(target), beta, rules)
+        let beta = self.beta_of_sine(self.beta_sine(target, s10));
+        let pair = self.with_beta(&window, beta, rules);
+        self.finished(target, pair, rules).ok_or_else(|| self.theta_gap_at(target, &window, beta))
     }
 
-    /// Theta by rule at a beta, and the slides.
+    /// The pose of theta and beta.
     #[inline]
-    fn with_beta(
+    fn finished(
         &self,
         target: [f64; 3],
-        window: &Window,
-        beta: Angle,
+        pair: Option<Pair>,
         rules: &PreparedRules,
-    ) -> std::result::Result<Pose, Gap> {
-        let r = self.parameters.l2 + self.parameters.l3 * beta.cos;
-        let gap = || self.theta_gap_at(target, window, r);
-        let theta = self.theta_by_rule(window, r, rules).ok_or_else(gap)?;
-        self.held(self.pose(target, theta, beta)).ok_or_else(gap)
+    ) -> Option<Pose> {
+        let Pair { theta, beta } = pair?;
+        let theta = match rules.step {
+            Some(step) if theta == step.turn => step,
+            _ => theta.angle(),
+        };
+        self.held(self.pose(target, theta, self.beta_angle(beta)))
+    }
+
+    /// Theta by rule at a beta; `None` where no theta is left.
+    #[inline]
+    fn with_beta(&self, window: &Window, beta: Turn, rules: &PreparedRules) -> Option<Pair> {
+        let theta = self.theta_by_rule(window, self.reach_of(beta), rules)?;
+        Some(Pair { theta, beta })
     }
 
     #[inline]
-    fn theta_by_rule(&self, window: &Window, r: f64, rules: &PreparedRules) -> Option<Angle> {
-        let p = &self.parameters;
-        let joint = Interval::new(p.lower[3], p.upper[3]);
-        let fits = |theta: &Angle| {
-            window.u.holds(r * theta.sin) && window.w.holds(r * theta.cos) && joint.holds(theta.rad)
+    fn theta_by_rule(&self, window: &Window, r: f64, rules: &PreparedRules) -> Option<Turn> {
+        let [low, high] = self.pitch_ends;
+        let fits = |theta: Turn| {
+            window.u.holds(r * theta.sin)
+                && window.w.holds(r * theta.cos)
+                && low.turn.sin <= theta.sin
+                && theta.sin <= high.turn.sin
         };
         let Some(step) = &rules.step else { return self.middle_theta(window, r) };
-        let zero = Angle { rad: 0.0, sin: 0.0, cos: 1.0 };
         // Most often 0 and the step are both in the set, which is then not needed.
-        if fits(&zero) {
-            return Some(if fits(step) { *step } else { zero });
+        if fits(ZERO) {
+            return Some(if fits(step.turn) { step.turn } else { ZERO });
         }
-        self.least_by_sines(window, r).or_else(|| self.least_theta(window, r))
+        match self.least_by_sines(window, r) {
+            Found::Nearest(theta) => Some(theta),
+            Found::Empty => None,
+            Found::Unsure => self.least_theta(window, r),
+        }
     }
 
     /// The element of least magnitude where 0 is none, by sines and cosines alone: on the
     /// side of 0 where the greatest of the lower bounds of `|sin(theta)|` is below the
-    /// least of the upper ones. `None` where neither side is clearly so.
+    /// least of the upper ones.
     #[inline]
-    fn least_by_sines(&self, window: &Window, r: f64) -> Option<Angle> {
+    fn least_by_sines(&self, window: &Window, r: f64) -> Found {
         let inverse = 1.0 / r;
-        let across = |cos: f64| ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt();
         let (near, far) = (window.w.high * inverse, window.w.low * inverse);
-        if near < 0.0 || far > 1.0 {
-            return None;
+        if near < -CLEAR || far > 1.0 + CLEAR {
+            return Found::Empty;
         }
-        // What slide s32 leaves, the same on both sides.
+        if near < 0.0 || far > 1.0 {
+            return Found::Unsure;
+        }
+        // The least that slide s32 leaves, the same on both sides.
         let cos = near.min(1.0);
-        let (raised, deepest) = (across(cos), if far > 0.0 { across(far) } else { 1.0 });
+        let raised = Turn { sin: other_leg(cos), cos };
         let side = |u_low: f64, u_high: f64, joint_low: f64, joint_high: f64| {
             let sin = (u_low * inverse).max(joint_low);
-            let most = (u_high * inverse).min(deepest).min(joint_high);
-            let angle = if sin > raised {
-                Angle::of_sine(sin)
+            let turn = if sin > raised.sin { Turn::of_sine(sin) } else { raised };
+            let past = (turn.sin - (u_high * inverse).min(joint_high)).max(far - turn.cos);
+            if past <= 0.0 && turn.cos > 0.0 {
+                Found::Nearest(turn)
+            } else if past > CLEAR {
+                Found::Empty
             } else {
-                Angle { rad: raised * angle_over_sine(cos), sin: raised, cos }
-            };
-            (angle.sin <= most && angle.cos > 0.0).then_some(angle)
+                Found::Unsure
+            }
         };
-        let ([low, high], u) = (self.pitch_sines, window.u);
-        let above = side(u.low, u.high, low, high);
-        let below = side(-u.high, -u.low, -high, -low);
-        let below = below.map(|a| Angle { rad: -a.rad, sin: -a.sin, cos: a.cos });
-        match (above, below) {
-            // Of two as near to 0 the negative one, as the sets are in ascending order.
-            (Some(a), Some(b)) => Some(if a.rad + b.rad >= 0.0 { b } else { a }),
-            (a, b) => a.or(b),
+        let ([low, high], u) = (self.pitch_ends.map(|end| end.turn.sin), window.u);
+        let mirrored = |turn: Turn| Found::Nearest(Turn { sin: -turn.sin, ..turn });
+        // Of two as near to 0 the negative one, as the sets are in ascending order.
+        match (side(-u.high, -u.low, -high, -low), side(u.low, u.high, low, high)) {
+            (Found::Nearest(below), Found::Nearest(above)) if above.sin < below.sin => {
+                Found::Nearest(above)
+            }
+            (Found::Nearest(below), Found::Nearest(_) | Found::Empty) => mirrored(below),
+            (Found::Empty, above) => above,
+            _ => Found::Unsure,
         }
     }
 
     #[inline(never)]
-    fn least_theta(&self, window: &Window, r: f64) -> Option<Angle> {
+    fn least_theta(&self, window: &Window, r: f64) -> Option<Turn> {
         let sets = self.theta_sets_of(window, r).all;
         let nearest = sets.iter().flatten().map(|set| set.nearest(0.0));
-        nearest.min_by(|a, b| a.abs().total_cmp(&b.abs())).map(Angle::new)
+        nearest.min_by(|a, b| a.abs().total_cmp(&b.abs())).map(|theta| Angle::new(theta).turn)
     }
 
     #[inline(never)]
-    fn middle_theta(&self, window: &Window, r: f64) -> Option<Angle> {
+    fn middle_theta(&self, window: &Window, r: f64) -> Option<Turn> {
         let width = |set: &&Interval| set.high - set.low;
         let sets = self.theta_sets_of(window, r).all;
         let widest = sets.iter().flatten().max_by(|a, b| width(a).total_cmp(&width(b)));
-        widest.map(|set| Angle::new(set.middle()))
+        widest.map(|set| Angle::new(set.middle()).turn)
     }
 
     /// Beta of least energy at a fixed theta.
     #[inline]
-    fn best_beta(&self, theta: &Angle) -> Angle {
+    fn best_beta(&self, theta: Turn) -> Turn {
         let e = &self.energy;
         let (y, x) = (e.p[1], e.q[1] * theta.cos - e.p[1] * theta.sin);
         let inverse = 1.0 / (y * y + x * x).sqrt();
-        // A turn of more than a quarter has no arc sine.
-        if x > 0.0 && inverse.is_finite() {
-            let (sin, cos) = (y * inverse, x * inverse);
-            Angle { rad: sin * angle_over_sine(cos), sin, cos }
-        } else {
-            Angle::new(y.atan2(x))
-        }
+        if inverse.is_finite() { Turn { sin: y * inverse, cos: x * inverse } } else { ZERO }
     }
 
     #[inline]
@@ -189,65 +222,65 @@ impl Arm {
         let set = self.s10_set(target)?;
         let window = self.window(target);
         // Beta falls as s10 grows.
-        let [low, high] = [self.s10_beta(target, set.high), self.s10_beta(target, set.low)];
-        let clip = |beta: Angle| {
-            if beta.sin < low {
-                self.beta_at(target, set.high)
-            } else if beta.sin > high {
-                self.beta_at(target, set.low)
-            } else {
-                beta
-            }
-        };
-        let analytic = self.analytic(target, &PreparedRules { s10_share: 0.5, ..*rules });
-        if let (Some(step), Ok(pose)) =
-            (&rules.step, self.with_beta(target, &window, clip(rules.beta), rules))
-            && pose.q[3] == step.rad
-        {
+        let [low, high] = [self.beta_sine(target, set.high), self.beta_sine(target, set.low)];
+        let middle = self.beta_of_sine(0.5 * (low + high));
+        let analytic = self.with_beta(&window, middle, rules);
+        let first = self.with_beta(&window, self.clipped(rules.beta, low, high), rules);
+        let pair = match (&rules.step, first) {
             // Of all poses with theta at the step this is the least; where the step does
             // not fit, another theta may need less.
-            return Ok(match analytic {
-                Ok(other) if self.energy_of(&other) < self.energy_of(&pose) => other,
-                _ => pose,
-            });
-        }
-        self.in_rounds(target, &window, &clip, rules, analytic)
+            (Some(step), Some(pair)) if pair.theta == step.turn => self.lesser(analytic, pair),
+            (_, Some(pair)) => self.in_rounds(&window, [low, high], rules, analytic, pair),
+            (_, None) => analytic,
+        };
+        self.finished(target, pair, rules).ok_or_else(|| self.theta_gap_at(target, &window, middle))
     }
 
-    /// Sine of beta at s10, not held to any limit.
+    /// Beta within what the set of s10 leaves, given by sines.
     #[inline]
-    fn s10_beta(&self, target: [f64; 3], s10: f64) -> f64 {
-        let p = &self.parameters;
-        (target[1] - s10 - p.l1 + p.d[1]) / p.l3
+    fn clipped(&self, beta: Turn, low: f64, high: f64) -> Turn {
+        // Beyond a quarter turn, always upwards, the sine falls again.
+        if beta.cos > 0.0 && beta.sin < low {
+            self.beta_of_sine(low)
+        } else if beta.cos > 0.0 && beta.sin <= high {
+            beta
+        } else {
+            self.beta_of_sine(high)
+        }
     }
 
-    /// Theta follows a slide's limit: beta and theta in turn, the best pose of all rounds.
-    /// The rounds need not end at the best beta, or may leave no theta: `found`, the
+    /// Theta follows a slide's limit: beta and theta in turn, the best of all rounds. The
+    /// rounds need not end at the best beta, or may leave no theta: `analytic`, the
     /// analytical solution, is a candidate too.
-    #[inline(never)]
+    #[inline]
     fn in_rounds(
         &self,
-        target: [f64; 3],
         window: &Window,
-        clip: &impl Fn(Angle) -> Angle,
+        [low, high]: [f64; 2],
         rules: &PreparedRules,
-        mut found: std::result::Result<Pose, Gap>,
-    ) -> std::result::Result<Pose, Gap> {
-        let mut least = found.as_ref().map_or(f64::INFINITY, |pose| self.energy_of(pose));
-        let mut beta = clip(rules.beta);
-        for _ in 0..ROUNDS {
-            let Ok(pose) = self.with_beta(target, window, beta, rules) else { break };
-            let energy = self.energy_of(&pose);
-            if energy < least {
-                least = energy;
-                found = Ok(pose);
-            }
-            let next = clip(self.best_beta(&pose.theta));
-            if next.rad == beta.rad {
+        analytic: Option<Pair>,
+        first: Pair,
+    ) -> Option<Pair> {
+        let (mut best, mut last) = (self.lesser(analytic, first), first);
+        for _ in 1..ROUNDS {
+            let beta = self.clipped(self.best_beta(last.theta), low, high);
+            if beta == last.beta {
                 break;
             }
-            beta = next;
+            let Some(pair) = self.with_beta(window, beta, rules) else { break };
+            best = self.lesser(best, pair);
+            last = pair;
         }
-        found
+        best
+    }
+
+    /// The one of less energy.
+    #[inline]
+    fn lesser(&self, one: Option<Pair>, other: Pair) -> Option<Pair> {
+        let energy = |pair: Pair| self.choice(pair.theta, pair.beta);
+        Some(match one {
+            Some(one) if energy(one) < energy(other) => one,
+            _ => other,
+        })
     }
 }

@@ -1,6 +1,6 @@
 //! The energy index, its terms and its derivatives along s10.
 
-use super::{Angle, Arm, Joints, Parameters, Pose};
+use super::{Angle, Arm, Joints, Parameters, Pose, Turn};
 
 /// Constants of the index. With `r = l2 + l3 cos(beta)` and the target fixed,
 ///
@@ -50,7 +50,7 @@ impl Arm {
     /// Energy index of joint values, J: friction of the slides from home, (22), less the
     /// potential energy that the arm loses on its way, (21) with its sign as in table 3.
     pub fn energy_index(&self, q: &Joints) -> f64 {
-        self.energy_of(&Pose { q: *q, theta: Angle::new(q[3]), beta: Angle::new(q[4]) })
+        self.energy_of(&Pose { q: *q, theta: Angle::new(q[3]).turn, beta: Angle::new(q[4]).turn })
     }
 
     #[inline]
@@ -64,7 +64,7 @@ impl Arm {
 
     /// The part of the index that the choice of theta and beta decides, J.
     #[inline]
-    pub(super) fn choice(&self, theta: &Angle, beta: &Angle) -> f64 {
+    pub(super) fn choice(&self, theta: Turn, beta: Turn) -> f64 {
         let e = &self.energy;
         (e.p[0] + e.p[1] * beta.cos) * theta.sin
             - (e.q[0] + e.q[1] * beta.cos) * theta.cos

@@ -181,7 +181,7 @@ impl Arm {
 
     #[inline]
     fn consider(&self, best: &mut Best, theta: f64, beta: f64) {
-        let value = self.choice(&Angle::new(theta), &Angle::new(beta));
+        let value = self.choice(Angle::new(theta).turn, Angle::new(beta).turn);
         if value < best.value {
             *best = Best { value, theta, beta };
         }

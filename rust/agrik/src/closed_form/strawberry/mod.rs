@@ -78,26 +78,45 @@ impl Default for Parameters {
     }
 }
 
+/// Sine and cosine of an angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Turn {
+    sin: f64,
+    cos: f64,
+}
+
+impl Turn {
+    /// The angle within a quarter turn that has this sine.
+    #[inline]
+    fn of_sine(sin: f64) -> Self {
+        Self { sin, cos: other_leg(sin) }
+    }
+
+    /// The angle, which is within a quarter turn.
+    #[inline]
+    fn angle(self) -> Angle {
+        Angle { rad: self.sin * angle_over_sine(self.cos), turn: self }
+    }
+}
+
+/// The cosine that belongs to a sine within a quarter turn, or the sine to a cosine.
+#[inline]
+fn other_leg(x: f64) -> f64 {
+    ((1.0 - x) * (1.0 + x)).max(0.0).sqrt()
+}
+
 /// An angle with its sine and cosine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Angle {
     rad: f64,
-    sin: f64,
-    cos: f64,
+    turn: Turn,
 }
 
 impl Angle {
     #[inline]
     fn new(rad: f64) -> Self {
         let (sin, cos) = Real::sin_cos(rad);
-        Self { rad, sin, cos }
-    }
-
-    /// The angle within a quarter turn that has this sine.
-    #[inline]
-    fn of_sine(sin: f64) -> Self {
-        let cos = ((1.0 - sin) * (1.0 + sin)).max(0.0).sqrt();
-        Self { rad: sin * angle_over_sine(cos), sin, cos }
+        Self { rad, turn: Turn { sin, cos } }
     }
 }
 
@@ -105,8 +124,8 @@ impl Angle {
 #[derive(Debug, Clone, Copy)]
 struct Pose {
     q: Joints,
-    theta: Angle,
-    beta: Angle,
+    theta: Turn,
+    beta: Turn,
 }
 
 /// Which of the three ways to choose theta and beta.
@@ -148,8 +167,10 @@ pub struct Arm {
     /// Beta at its limits, and `l3 sin(beta)` there.
     ends: [Angle; 2],
     rise: [f64; 2],
-    /// Sines of theta's limits.
-    pitch_sines: [f64; 2],
+    /// Theta at its limits.
+    pitch_ends: [Angle; 2],
+    /// Outside this box no target can be reached.
+    target_box: [[f64; 3]; 2],
     free: Option<FreePose>,
 }
 
@@ -194,9 +215,11 @@ impl Arm {
         }
         let energy = energy::Terms::new(p);
         let ends = [Angle::new(p.lower[4]), Angle::new(p.upper[4])];
-        let rise = [p.l3 * ends[0].sin, p.l3 * ends[1].sin];
-        let pitch_sines = [p.lower[3].sin(), p.upper[3].sin()];
-        let mut arm = Self { parameters, energy, ends, rise, pitch_sines, free: None };
+        let rise = [p.l3 * ends[0].turn.sin, p.l3 * ends[1].turn.sin];
+        let pitch_ends = [Angle::new(p.lower[3]), Angle::new(p.upper[3])];
+        let target_box = [[0.0; 3]; 2];
+        let mut arm = Self { parameters, energy, ends, rise, pitch_ends, target_box, free: None };
+        arm.target_box = arm.find_target_box();
         arm.free = arm.free_pose();
         Ok(arm)
     }
@@ -225,16 +248,21 @@ impl Arm {
         self.parameters.l2 + self.parameters.l3 * beta.cos()
     }
 
+    #[inline]
+    fn reach_of(&self, beta: Turn) -> f64 {
+        self.parameters.l2 + self.parameters.l3 * beta.cos
+    }
+
     /// The tool point, m.
     #[inline]
     pub fn fk(&self, q: &Joints) -> [f64; 3] {
-        self.fk_of(q, &Angle::new(q[3]), &Angle::new(q[4]))
+        self.fk_of(q, Angle::new(q[3]).turn, Angle::new(q[4]).turn)
     }
 
     #[inline]
-    fn fk_of(&self, q: &Joints, theta: &Angle, beta: &Angle) -> [f64; 3] {
+    fn fk_of(&self, q: &Joints, theta: Turn, beta: Turn) -> [f64; 3] {
         let p = &self.parameters;
-        let r = p.l2 + p.l3 * beta.cos;
+        let r = self.reach_of(beta);
         [
             q[1] + p.d[0] - r * theta.sin,
             q[0] + p.l1 - p.d[1] + p.l3 * beta.sin,
@@ -250,15 +278,15 @@ impl Arm {
     #[inline]
     fn pose(&self, target: [f64; 3], theta: Angle, beta: Angle) -> Pose {
         let p = &self.parameters;
-        let r = p.l2 + p.l3 * beta.cos;
+        let r = self.reach_of(beta.turn);
         let q = [
-            target[1] - p.l1 + p.d[1] - p.l3 * beta.sin,
-            target[0] - p.d[0] + r * theta.sin,
-            -target[2] + p.d[2] - r * theta.cos,
+            target[1] - p.l1 + p.d[1] - p.l3 * beta.turn.sin,
+            target[0] - p.d[0] + r * theta.turn.sin,
+            -target[2] + p.d[2] - r * theta.turn.cos,
             theta.rad,
             beta.rad,
         ];
-        Pose { q, theta, beta }
+        Pose { q, theta: theta.turn, beta: beta.turn }
     }
 
     /// Puts joint values that are past a limit by rounding back on it; `None` where one
@@ -329,7 +357,7 @@ impl Arm {
                     *q = found.q;
                     out.energy[i] = self.energy_of(&found);
                     // The check that `success` promises: against the target itself.
-                    let at = self.fk_of(&found.q, &found.theta, &found.beta);
+                    let at = self.fk_of(&found.q, found.theta, found.beta);
                     let off: f64 = at.iter().zip(target).map(|(a, b)| (a - b) * (a - b)).sum();
                     out.answers.position_error[i] = off.sqrt();
                     out.answers.orientation_error[i] = 0.0;

@@ -1,7 +1,7 @@
 //! What a target leaves open: the box, the set of s10, the set of theta, and why a set
 //! is empty.
 
-use super::{Angle, Arm, SLIDE_TOLERANCE};
+use super::{Angle, Arm, SLIDE_TOLERANCE, Turn};
 use crate::solve::Status;
 
 /// A closed interval.
@@ -114,6 +114,10 @@ impl Arm {
     /// Bounds of the targets, (5)-(10) corrected, m: nothing outside can be reached, not
     /// everything inside can.
     pub fn target_box(&self) -> [[f64; 3]; 2] {
+        self.target_box
+    }
+
+    pub(super) fn find_target_box(&self) -> [[f64; 3]; 2] {
         let p = &self.parameters;
         let (low, high) = (&p.lower, &p.upper);
         // The reach is longest where |beta| is smallest, which need not be at a limit.
@@ -154,15 +158,39 @@ impl Arm {
     /// Beta that belongs to s10, (13), rad.
     #[inline]
     pub(super) fn beta_at(&self, target: [f64; 3], s10: f64) -> Angle {
+        self.beta_angle(self.beta_of_sine(self.beta_sine(target, s10)))
+    }
+
+    /// Sine of beta that belongs to s10, (13), not held to any limit.
+    #[inline]
+    pub(super) fn beta_sine(&self, target: [f64; 3], s10: f64) -> f64 {
         let p = &self.parameters;
-        let sine = (target[1] - s10 - p.l1 + p.d[1]) / p.l3;
+        (target[1] - s10 - p.l1 + p.d[1]) / p.l3
+    }
+
+    /// Beta of a sine, held to its limits.
+    #[inline]
+    pub(super) fn beta_of_sine(&self, sine: f64) -> Turn {
         let [low, high] = self.ends;
-        if sine <= low.sin {
+        if sine <= low.turn.sin {
+            low.turn
+        } else if sine >= high.turn.sin {
+            high.turn
+        } else {
+            Turn::of_sine(sine)
+        }
+    }
+
+    /// Beta within its limits, rad; the limits themselves as they were given.
+    #[inline]
+    pub(super) fn beta_angle(&self, beta: Turn) -> Angle {
+        let [low, high] = self.ends;
+        if beta == low.turn {
             low
-        } else if sine >= high.sin {
+        } else if beta == high.turn {
             high
         } else {
-            Angle::of_sine(sine)
+            beta.angle()
         }
     }
 
@@ -204,13 +232,15 @@ impl Arm {
     /// Why no theta is left at reaches from `r.low` to `r.high`: the slide that lacks
     /// travel, or else the distance that both lack together.
     pub(super) fn theta_gap(&self, window: &Window, r: Interval) -> Gap {
-        let p = &self.parameters;
-        let (sin_low, sin_high) = (p.lower[3].sin(), p.upper[3].sin());
+        let [low, high] = self.pitch_ends.map(|end| end.turn);
+        let (sin_low, sin_high) = (low.sin, high.sin);
+        // Theta = 0 reaches deepest, where it may.
+        let deep = if sin_low <= 0.0 && sin_high >= 0.0 { 1.0 } else { low.cos.max(high.cos) };
         let (u, w) = (window.u, window.w);
         let least = (r.low * sin_low).min(r.high * sin_low);
         let most = (r.low * sin_high).max(r.high * sin_high);
-        let deepest = r.high * 0.0f64.clamp(p.lower[3], p.upper[3]).cos();
-        let highest = r.low * p.lower[3].cos().min(p.upper[3].cos());
+        let deepest = r.high * deep;
+        let highest = r.low * low.cos.min(high.cos);
         if least > u.high + SLIDE_TOLERANCE {
             return Gap::of(Place::S21, least - u.high);
         }
@@ -227,9 +257,11 @@ impl Arm {
     }
 
     /// The same at the one reach that a method chose, where others may do.
-    pub(super) fn theta_gap_at(&self, target: [f64; 3], window: &Window, r: f64) -> Gap {
+    #[inline(never)]
+    pub(super) fn theta_gap_at(&self, target: [f64; 3], window: &Window, beta: Turn) -> Gap {
+        let r = self.reach_of(beta);
         let mut gap = self.theta_gap(window, Interval::new(r, r));
-        let [low, high] = self.target_box();
+        let [low, high] = self.target_box;
         let outside = (0..3)
             .any(|i| target[i] < low[i] - SLIDE_TOLERANCE || target[i] > high[i] + SLIDE_TOLERANCE);
         gap.status = if outside { Status::OutOfReach } else { Status::NotFound };

@@ -1,23 +1,95 @@
 //! The smallest translation of the platform that brings a target in reach.
+//!
+//! # Claim
+//!
+//! No translation along the axes that may move is shorter than the one found by more than
+//! [`CERTIFIED`]; and where none is found, none exists.
+//!
+//! # Proof
+//!
+//! Write `r = l2 + l3 cos(beta)`, `u = r sin(theta)`, `w = r cos(theta)`. What a target at
+//! (theta, beta) lacks is the vector from the slides' window, intervals of u, w and s10, to
+//! `(u, w, straight - l3 sin(beta))`: the platform makes up for it. Wanted is the least
+//! length over all theta and beta within their limits at which the axes that may not move
+//! lack nothing.
+//!
+//! **One arc** (beta fixed): s10 lacks a given length, and along the arc the squared distance
+//! in u and w from the window has a continuous derivative. Where only u lacks, it is
+//! stationary nowhere within a quarter turn; where only w does, at theta = 0; where both do,
+//! at the direction of a corner of the window. Where an axis may not move, the arc's allowed
+//! parts end where it crosses a line of the window. So the least is at one of these angles
+//! or at a limit of theta.
+//!
+//! **A piece of beta** is bounded from below by a relaxed problem, in which r may be any of
+//! the piece's reaches whatever sin(beta) is. s10 then lacks at least the distance of two
+//! intervals. In the plane of (u, w) the piece is a sector of a ring, and the squared
+//! distance from the window a function with a continuous derivative that is stationary only
+//! where it is 0. If it is 0 anywhere, it is so at a corner of the window or on the sector's
+//! edge; if not, its least is on the edge. The same holds on the strip that an axis that may
+//! not move leaves: on the strip's own lines inside the sector, the other axis can still get
+//! nearer to the window. The edge is two arcs, as above, and two rays, on which the function
+//! is convex and quadratic between the window's lines: its least is at an end, at a line, or
+//! at the foot of a corner.
+//!
+//! Pieces are halved until no bound is shorter than the best arc found by more than
+//! [`CERTIFIED`]. An arc is tried at the middle of each piece and at the reach that the
+//! relaxed problem takes.
+
+use std::collections::VecDeque;
 
 use super::sets::Window;
-use super::{Arm, Interval, SLIDE_TOLERANCE};
+use super::{Arm, Interval, SLIDE_TOLERANCE, Turn, other_leg};
 use crate::lanes::hypotenuse;
 
-/// Steps of the scan over beta before its best place is refined.
-const SCAN: usize = 128;
+/// How much shorter than the answer a translation might be, m.
+const CERTIFIED: f64 = 1e-8;
 /// Added to a shift so that the target ends inside and not on the edge of rounding, m.
 const MARGIN: f64 = 1e-9;
 
+/// The point of a part of the plane of (u, w) that is nearest to a window.
+struct Nearest<'a> {
+    window: &'a Window,
+    may_move: [bool; 2],
+    best: Option<Lack>,
+}
+
+/// What x and z lack at a point, m.
+#[derive(Debug, Clone, Copy)]
+struct Lack {
+    gap: [f64; 2],
+    squared: f64,
+    /// Distance of the point from the pitch axis, m.
+    r: f64,
+}
+
+/// A gap that is no rounding.
+#[inline]
+fn settled(gap: f64) -> f64 {
+    if gap.abs() <= SLIDE_TOLERANCE { 0.0 } else { gap }
+}
+
+impl Nearest<'_> {
+    #[inline]
+    fn consider(&mut self, r: f64, turn: Turn) {
+        let (u, w) = (r * turn.sin, r * turn.cos);
+        // The slide would be at `limit + gap`: the platform makes up for it.
+        let x = settled(u - self.window.u.nearest(u));
+        let z = settled(w - self.window.w.nearest(w));
+        if (x != 0.0 && !self.may_move[0]) || (z != 0.0 && !self.may_move[1]) {
+            return;
+        }
+        let squared = x * x + z * z;
+        if self.best.is_none_or(|best| squared < best.squared) {
+            self.best = Some(Lack { gap: [x, z], squared, r });
+        }
+    }
+}
+
 impl Arm {
     /// The smallest translation of the platform (m, base frame) that brings a target in
-    /// reach, along the axes that may move; zero for a target in reach, `None` where no
-    /// such translation does or the target is not finite.
-    ///
-    /// The reachable set is the box of the slides, moved along the surface that theta and
-    /// beta draw. At a given beta that surface is an arc, and the arc's point nearest to
-    /// the slides' window is one of a few (see `arc_gap`); beta itself is scanned and
-    /// refined, to about 1e-9 m.
+    /// reach, along the axes that may move: none is shorter by more than 1e-8 m, see the
+    /// proof in the source. Zero for a target in reach, `None` where no such translation
+    /// exists or the target is not finite.
     pub fn suggest_base_shift(&self, target: [f64; 3], may_move: [bool; 3]) -> Option<[f64; 3]> {
         if !target.iter().all(|x| x.is_finite()) {
             return None;
@@ -26,132 +98,134 @@ impl Arm {
             return Some([0.0; 3]);
         }
         let p = &self.parameters;
-        let betas = Interval::new(p.lower[4], p.upper[4]);
         let window = self.window(target);
+        let in_plane = [may_move[0], may_move[2]];
         let straight = target[1] - p.l1 + p.d[1];
         let slide = Interval::new(p.lower[0], p.upper[0]);
-        let gap = |beta: f64| {
+        let mut betas = Interval::new(p.lower[4], p.upper[4]);
+        if !may_move[1] {
+            let set = self.s10_set(target).ok()?;
+            betas = Interval::new(
+                self.beta_at(target, set.high).rad,
+                self.beta_at(target, set.low).rad,
+            );
+        }
+        let mut shortest = f64::INFINITY;
+        let mut shift = None;
+        let mut consider = |beta: f64| {
             let s10 = straight - p.l3 * beta.sin();
-            let y = s10 - slide.nearest(s10);
-            let [x, z] = self.arc_gap(&window, self.reach(beta), may_move)?;
-            // Rounding of the sines is no gap.
-            let y = if y.abs() <= SLIDE_TOLERANCE { 0.0 } else { y };
-            (y == 0.0 || may_move[1]).then_some([x, y, z])
-        };
-        let length2 =
-            |beta: f64| gap(beta).map_or(f64::INFINITY, |g| g.iter().map(|v| v * v).sum());
-        let step = (betas.high - betas.low) / SCAN as f64;
-        let at = |i: usize| betas.nearest(betas.low + step * i as f64);
-        let mut best = (f64::INFINITY, betas.low);
-        let mut keep = |beta: f64| {
-            let value = length2(beta);
-            if value < best.0 {
-                best = (value, beta);
+            // Beta keeps an s10 that may not move within its limits, but for rounding.
+            let y = if may_move[1] { settled(s10 - slide.nearest(s10)) } else { 0.0 };
+            let r = self.reach(beta);
+            if let Some(lack) = self.sector(&window, Interval::new(r, r), in_plane) {
+                let length = (lack.squared + y * y).sqrt();
+                if length < shortest {
+                    shortest = length;
+                    shift = Some([lack.gap[0], y, lack.gap[1]]);
+                }
             }
-            value
+            shortest
         };
-        // The betas where s10 just reaches are corners of the distance.
-        let corner = |s10: f64| ((straight - s10) / p.l3).clamp(-1.0, 1.0).asin();
-        for beta in [corner(slide.low), corner(slide.high)] {
-            keep(betas.nearest(beta));
+        consider(betas.low);
+        consider(betas.high);
+        let mut pieces = VecDeque::from([betas]);
+        if betas.low < 0.0 && 0.0 < betas.high {
+            // The reach grows on one side of 0 and shrinks on the other.
+            consider(0.0);
+            pieces = [Interval::new(betas.low, 0.0), Interval::new(0.0, betas.high)].into();
         }
-        let values: Vec<f64> = (0..=SCAN).map(|i| keep(at(i))).collect();
-        for i in 0..=SCAN {
-            let (left, right) = (i.saturating_sub(1), (i + 1).min(SCAN));
-            if values[i] <= values[left] && values[i] <= values[right] && values[i].is_finite() {
-                golden(Interval::new(at(left), at(right)), &mut keep);
+        while let Some(piece) = pieces.pop_front() {
+            let (a, b) = (self.reach(piece.low), self.reach(piece.high));
+            let reaches = Interval::new(a.min(b), a.max(b));
+            let Some(lack) = self.sector(&window, reaches, in_plane) else { continue };
+            let s10 = [piece.high, piece.low].map(|beta| straight - p.l3 * beta.sin());
+            let y = (s10[0] - slide.high).max(slide.low - s10[1]).max(0.0);
+            let y = if may_move[1] { y } else { 0.0 };
+            let bound = (lack.squared + y * y).sqrt();
+            let middle = piece.middle();
+            let at_reach = ((lack.r - p.l2) / p.l3).clamp(-1.0, 1.0).acos();
+            consider(piece.nearest(if piece.low < 0.0 { -at_reach } else { at_reach }));
+            if bound < consider(middle) - CERTIFIED && piece.low < middle && middle < piece.high {
+                let halves = [Interval::new(piece.low, middle), Interval::new(middle, piece.high)];
+                pieces.extend(halves);
             }
         }
-        let (_, beta) = best;
-        let shift = gap(beta)?;
-        let length = shift.iter().map(|v| v * v).sum::<f64>().sqrt();
-        (length.is_finite()).then(|| shift.map(|v| v * (1.0 + MARGIN / length.max(MARGIN))))
+        let length = shortest;
+        shift.map(|shift: [f64; 3]| shift.map(|v| v * (1.0 + MARGIN / length.max(MARGIN))))
     }
 
     /// Distance in x and z of the slides' window from the points that the arm reaches with
-    /// a reach in an interval, m: of 17 reaches the best, refined.
+    /// a reach in an interval, m.
     pub(super) fn window_distance(&self, window: &Window, r: Interval) -> f64 {
-        let mut least = f64::INFINITY;
-        let mut keep = |r: f64| {
-            let length = self
-                .arc_gap(window, r, [true; 3])
-                .map_or(f64::INFINITY, |g| hypotenuse(g[0], g[1]));
-            least = least.min(length);
-            length
-        };
-        if r.low == r.high {
-            keep(r.low);
-            return least;
-        }
-        let step = (r.high - r.low) / 16.0;
-        let at = |i: usize| r.nearest(r.low + step * i as f64);
-        let values: [f64; 17] = std::array::from_fn(|i| keep(at(i)));
-        let best = (0..17).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
-        golden(Interval::new(at(best.saturating_sub(1)), at((best + 1).min(16))), &mut keep);
-        least
+        self.sector(window, r, [true; 2]).map_or(f64::INFINITY, |lack| lack.squared.sqrt())
     }
 
-    /// What x and z lack at a reach, as the translation (x, z) of the platform of least
-    /// length; `None` where that needs an axis that may not move.
-    ///
-    /// Along the arc the squared distance to the window is smooth between the angles
-    /// where the arc crosses a line of the window; between them it is constant zero, the
-    /// distance to a line (stationary at theta = 0 only) or to a corner (stationary at
-    /// the corner's own angle). So the least is at one of these angles or at a limit.
-    fn arc_gap(&self, window: &Window, r: f64, may_move: [bool; 3]) -> Option<[f64; 2]> {
-        let p = &self.parameters;
-        let joint = Interval::new(p.lower[3], p.upper[3]);
-        let (u, w) = (window.u, window.w);
-        let mut best: Option<([f64; 2], f64)> = None;
-        let mut consider = |theta: f64| {
-            let (sin, cos) = joint.nearest(theta).sin_cos();
-            let settle = |gap: f64| if gap.abs() <= SLIDE_TOLERANCE { 0.0 } else { gap };
-            // The slide would be at `limit + gap`: the platform makes up for it.
-            let x = settle(r * sin - u.nearest(r * sin));
-            let z = settle(r * cos - w.nearest(r * cos));
-            if (x != 0.0 && !may_move[0]) || (z != 0.0 && !may_move[2]) {
-                return;
+    /// What x and z lack least with a reach in an interval; `None` where that needs an axis
+    /// that may not move.
+    fn sector(&self, window: &Window, r: Interval, may_move: [bool; 2]) -> Option<Lack> {
+        let mut nearest = Nearest { window, may_move, best: None };
+        self.arc(&mut nearest, r.low);
+        if r.low < r.high {
+            self.arc(&mut nearest, r.high);
+            let corners = corners(window);
+            for [a, b] in corners {
+                let length = hypotenuse(a, b);
+                if b > 0.0 && r.holds(length) {
+                    nearest.consider(length, self.pitch_nearest(a / length));
+                }
             }
-            let length = x * x + z * z;
-            if best.is_none_or(|(_, least)| length < least) {
-                best = Some(([x, z], length));
+            for turn in self.pitch_ends.map(|end| end.turn) {
+                let Turn { sin, cos } = turn;
+                let across = [window.u.low, window.u.high].map(|a| a / sin);
+                let down = [window.w.low, window.w.high].map(|b| b / cos);
+                let feet = corners.map(|[a, b]| a * sin + b * cos);
+                for at in across.into_iter().chain(down).chain(feet).filter(|at| r.holds(*at)) {
+                    nearest.consider(at, turn);
+                }
             }
-        };
-        consider(joint.low);
-        consider(joint.high);
-        consider(0.0);
+        }
+        nearest.best
+    }
+
+    /// The points of an arc that may be the nearest.
+    fn arc(&self, nearest: &mut Nearest<'_>, r: f64) {
+        let (u, w) = (nearest.window.u, nearest.window.w);
+        nearest.consider(r, self.pitch_nearest(-1.0));
+        nearest.consider(r, self.pitch_nearest(0.0));
+        nearest.consider(r, self.pitch_nearest(1.0));
         for a in [u.low, u.high] {
-            consider((a / r).clamp(-1.0, 1.0).asin());
-            for b in [w.low, w.high] {
-                consider(a.atan2(b));
+            nearest.consider(r, self.pitch_nearest(a / r));
+        }
+        for [a, b] in corners(nearest.window) {
+            if b > 0.0 {
+                nearest.consider(r, self.pitch_nearest(a / hypotenuse(a, b)));
             }
         }
-        for b in [w.low, w.high] {
-            let theta = (b / r).clamp(-1.0, 1.0).acos();
-            consider(theta);
-            consider(-theta);
+        for cos in [w.low, w.high].map(|b| b / r).into_iter().filter(|x| (0.0..=1.0).contains(x)) {
+            let sin = other_leg(cos);
+            for sin in [-sin, sin] {
+                let turn = self.pitch_nearest(sin);
+                // The cosine as it was given, where the limits allow it.
+                nearest.consider(r, if turn.sin == sin { Turn { sin, cos } } else { turn });
+            }
         }
-        best.map(|(gap, _)| gap)
+    }
+
+    /// The theta within its limits whose sine is nearest to a number.
+    #[inline]
+    fn pitch_nearest(&self, sin: f64) -> Turn {
+        let [low, high] = self.pitch_ends.map(|end| end.turn);
+        if sin <= low.sin {
+            low
+        } else if sin >= high.sin {
+            high
+        } else {
+            Turn::of_sine(sin)
+        }
     }
 }
 
-/// Golden-section search; every value goes through `keep`.
-fn golden(mut part: Interval, keep: &mut impl FnMut(f64) -> f64) {
-    const RATIO: f64 = 0.618_033_988_749_894_9;
-    let mut c = part.high - RATIO * (part.high - part.low);
-    let mut d = part.low + RATIO * (part.high - part.low);
-    let (mut at_c, mut at_d) = (keep(c), keep(d));
-    for _ in 0..48 {
-        if at_c <= at_d {
-            part.high = d;
-            (d, at_d) = (c, at_c);
-            c = part.high - RATIO * (part.high - part.low);
-            at_c = keep(c);
-        } else {
-            part.low = c;
-            (c, at_c) = (d, at_d);
-            d = part.low + RATIO * (part.high - part.low);
-            at_d = keep(d);
-        }
-    }
+fn corners(window: &Window) -> [[f64; 2]; 4] {
+    let (u, w) = (window.u, window.w);
+    [[u.low, w.low], [u.low, w.high], [u.high, w.low], [u.high, w.high]]
 }

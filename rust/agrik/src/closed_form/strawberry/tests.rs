@@ -231,6 +231,68 @@ fn shifts_bring_in_reach_and_smaller_ones_do_not() {
     assert!(shifted > 100);
 }
 
+/// The length of the shortest translation of a fine grid over theta and beta.
+fn shift_by_grid(arm: &Arm, target: [f64; 3], may_move: [bool; 3]) -> f64 {
+    let p = arm.parameters();
+    let (rows, columns) = (400, 300);
+    let mut least = f64::INFINITY;
+    for i in 0..=rows {
+        for k in 0..=columns {
+            let share = |n: i32, of: i32| f64::from(n) / f64::from(of);
+            let theta = p.lower[3] + (p.upper[3] - p.lower[3]) * share(i, rows);
+            let beta = p.lower[4] + (p.upper[4] - p.lower[4]) * share(k, columns);
+            let q = arm.slides(target, theta, beta);
+            // Slides s21, s10, s32 move x, y, z.
+            let gaps = [1, 0, 2].map(|j| q[j] - q[j].clamp(p.lower[j], p.upper[j]));
+            if (0..3).all(|i| may_move[i] || gaps[i] == 0.0) {
+                least = least.min(gaps.iter().map(|x| x * x).sum::<f64>().sqrt());
+            }
+        }
+    }
+    least
+}
+
+#[test]
+fn no_grid_finds_a_shorter_shift() {
+    let hardware = Parameters {
+        lower: {
+            let mut q = Parameters::default().lower;
+            q[4] = (-85.0f64).to_radians();
+            q
+        },
+        ..Parameters::default()
+    };
+    for (arm, mut state) in [(arm(), 3u64), (Arm::new(hardware).unwrap(), 4)] {
+        let [low, high] = arm.target_box();
+        let (mut shifted, mut held, mut close) = (0, 0, 0);
+        for round in 0..240 {
+            let mut may_move = [true; 3];
+            if round % 2 == 1 {
+                may_move = [0, 1, 2].map(|i| (round / 2) >> i & 1 != 0);
+            }
+            // Out of reach by little and by much.
+            let margin = if round % 3 == 0 { 0.2 } else { 0.02 };
+            let target = [0, 1, 2]
+                .map(|i| low[i] - margin + random(&mut state) * (high[i] - low[i] + 2.0 * margin));
+            let grid = shift_by_grid(&arm, target, may_move);
+            let Some(shift) = arm.suggest_base_shift(target, may_move) else {
+                assert_eq!(grid, f64::INFINITY, "{target:?} {may_move:?}");
+                held += 1;
+                continue;
+            };
+            assert!((0..3).all(|i| may_move[i] || shift[i] == 0.0));
+            let moved = [0, 1, 2].map(|i| target[i] - shift[i]);
+            assert!(arm.exact(moved).is_ok(), "{target:?} {may_move:?} {shift:?}");
+            let length = shift.iter().map(|v| v * v).sum::<f64>().sqrt();
+            assert!(length <= grid + 1.2e-8, "{length} {grid} {target:?} {may_move:?}");
+            shifted += i32::from(length > 0.0);
+            // The grid comes near the answer from above.
+            close += i32::from(length > 0.0 && grid - length < 2e-3);
+        }
+        assert!(shifted > 60 && held > 20 && close > 60, "{shifted} {held} {close}");
+    }
+}
+
 #[test]
 fn gaps_name_the_slide_and_the_travel() {
     let arm = arm();

@@ -3,10 +3,7 @@
 
 use super::differential::WHOLE;
 use super::evaluator::Population;
-use crate::lanes::{Real, Words};
-
-/// Lanes of the widest vector.
-const WIDEST: usize = 8;
+use crate::lanes::{Real, WIDEST, Words};
 
 /// Each individual's genes in as many vectors as they need.
 pub(super) struct Rows<R> {
