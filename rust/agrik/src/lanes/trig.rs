@@ -134,7 +134,7 @@ pub(crate) fn turns_each<R: Real, const N: usize>(x: &[R; N]) -> ([R; N], [R; N]
         -3.069_039_848_874_325e-5,
         3.682_847_818_679_688_7e-3,
         -1.767_766_952_966_367_8e-1,
-        1.414_213_562_373_095_1,
+        std::f64::consts::SQRT_2,
     ];
     let mut r = *x;
     let mut squared = *x;
