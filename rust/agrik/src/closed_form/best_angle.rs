@@ -168,7 +168,7 @@ fn followed<R: Real>(
         psi = R::select(better, next, psi);
         let Some(&(width, sections, room)) = LOOKS.get(look) else { break };
         let way = least(&moving, fourth, margin, width, sections, R::splat(room));
-        next = next + way;
+        next += way;
     }
     (cost, psi)
 }
