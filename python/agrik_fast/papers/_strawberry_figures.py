@@ -89,7 +89,7 @@ def draw_pose(
         spans = [(cx - 190, cx + 190), (cy - 190, cy + 190), (cz - 120, cz + 260)]
     for set_limits, span in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), spans, strict=True):
         set_limits(*span)
-    axes.set_box_aspect([high - low for low, high in spans], zoom=1.15)
+    axes.set_box_aspect([high - low for low, high in spans], zoom=1.0)
     axes.set_xlabel("x [mm]", fontsize=7)
     axes.set_ylabel("y [mm]", fontsize=7)
     axes.set_zlabel("z [mm]", fontsize=7)
