@@ -3,7 +3,6 @@
 //! that it gets in a batch, where a lane holds a target.
 
 use super::candidates::{BRANCHES, JOINTS, Lanes};
-use super::check::wrap_pair;
 use super::choose::Choice;
 use super::query::{ArmAngle, arm_angles, status};
 use super::settle::{Job, Near};
@@ -124,8 +123,7 @@ impl Alone {
         let mut first = 0;
         while first < PAIRS {
             let mut pair = job.form.side_by_side(&goal, job.tool(), angle, &near.preferred, first);
-            let inside = wrap_pair(job.limits(), &mut pair, &near.centre);
-            let missed = job.exact.miss_pair(&pair, &goal);
+            let (inside, missed) = job.settle(&mut pair, &goal, &near.centre);
             let lanes = R::WIDTH.min(PAIRS - first);
             for (way, candidate) in pair.iter().enumerate() {
                 let (position2, chord2) = missed[way];

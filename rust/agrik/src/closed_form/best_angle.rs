@@ -20,7 +20,7 @@ use super::turn::{Side, Turn, minus};
 use crate::lanes::{Real, atan2};
 
 /// Arm angles of the first look at each target.
-const SAMPLES: usize = 10;
+const SAMPLES: usize = 12;
 /// Closer looks: how far from the best arm angle so far the next may be (rad), how many
 /// sections narrow its place, and how far from a limit it keeps, as the model is not exact.
 const LOOKS: [(f64, usize, f64); 3] = [(0.45, 6, 1e-3), (0.1, 8, 1e-5), (0.005, 13, 1e-9)];

@@ -19,6 +19,7 @@ mod certify;
 mod check;
 mod choose;
 mod geometry;
+mod polish;
 mod quartic;
 mod query;
 mod settle;
@@ -61,6 +62,12 @@ impl ClosedForm {
     /// The family of a chain, or why it has none; found once for each chain.
     pub fn of(chain: &Chain) -> Result<&Self, &str> {
         chain.closed_form(Self::recognise).as_ref().map_err(String::as_str)
+    }
+
+    /// Some branches come from the roots of an equation that loses digits.
+    #[inline(always)]
+    fn loses_digits(&self) -> bool {
+        matches!(self, Self::SphericalWrist(arm) if arm.kind() == Kind::General)
     }
 
     fn recognise(chain: &Chain) -> Result<Self, String> {

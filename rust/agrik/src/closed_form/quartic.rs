@@ -18,7 +18,9 @@ pub struct Root {
 
 /// Roots within this of the unit circle, or of one another, may be two real ones that
 /// rounding has moved.
-const NEAR: f64 = 1e-4;
+const NEAR: f64 = 1e-2;
+/// Most of Newton's steps: three do, unless three roots are about to meet.
+const STEPS: usize = 30;
 /// Angles this near to one another are one root.
 const SAME: f64 = 1e-9;
 /// Slope, as a share of the equation's size, below which a root is singular.
@@ -64,15 +66,21 @@ pub fn roots(form: &[[f64; 3]; 3]) -> [Root; 4] {
             // Up to second order the roots stand at +-sqrt(-2 f / f'') from there.
             let square = -2.0 * top / bend;
             let half = square.max(0.0).sqrt();
-            t = if t < turn { turn - half } else { turn + half };
-            if square < -1e-12 {
-                continue;
+            // As far as the third order does not count: else a third root is near.
+            let room = 0.1 * bend.abs() / size;
+            if half < room && (t - turn).abs() < room {
+                if square < -1e-12 {
+                    continue;
+                }
+                t = if t < turn { turn - half } else { turn + half };
             }
         }
-        for _ in 0..3 {
+        for _ in 0..STEPS {
             let (f, slope, _) = value(t);
-            if slope.abs() > 1e-9 * size {
-                t -= (f / slope).clamp(-0.1, 0.1);
+            let step = if slope.abs() > 1e-9 * size { f / slope } else { 0.0 };
+            t -= step.clamp(-0.1, 0.1);
+            if step.abs() < 1e-15 {
+                break;
             }
         }
         let (f, slope, _) = value(t);

@@ -1,8 +1,9 @@
 //! A lane group at work: what every closed form does with its goals and candidates.
 
 use super::candidates::{BRANCHES, Candidate, JOINTS, Lanes};
-use super::check::{Exact, Limit, wrap_one, wrap_pair};
+use super::check::{Exact, Limit, Pair, wrap_one, wrap_pair};
 use super::choose::Choice;
+use super::polish::{STEPS, is_rough, stepped};
 use super::srs::{Elbow, Line, Reached, Srs};
 use super::turn::{Side, Turn};
 use super::{ClosedForm, geometry::Geometry};
@@ -50,6 +51,41 @@ impl<'a> Job<'a> {
         for (variable, limit) in self.variables().iter().zip(self.limits()) {
             q[*variable] = 0.0_f64.clamp(limit.lower, limit.upper);
         }
+    }
+
+    /// Brings a pair of branches within limits by whole turns, and checks it: for each branch
+    /// the lanes in which it is inside, and the squared distance and chord that are left.
+    #[inline(always)]
+    pub fn settle<R: Real>(
+        &self,
+        pair: &mut Pair<R>,
+        goal: &Goal<R>,
+        centre: &[R; JOINTS],
+    ) -> ([Lanes; 2], [(R, R); 2]) {
+        let mut inside = wrap_pair(self.limits(), pair, centre);
+        let mut missed = self.exact.miss_pair(pair, goal);
+        if !self.form.loses_digits() {
+            return (inside, missed);
+        }
+        for ((branch, inside), left) in pair.iter_mut().zip(&mut inside).zip(&mut missed) {
+            for _ in 0..STEPS {
+                let rough = R::bits(is_rough(left.0, left.1)) & !branch.merged;
+                if rough == 0 {
+                    break;
+                }
+                let mut next = Candidate { q: stepped(&self.exact, branch, goal), ..*branch };
+                let within = wrap_one(self.limits(), &mut next, centre);
+                let (position2, chord2) = self.exact.miss(&next.q, goal);
+                let better = R::bits((position2 + chord2).lt(left.0 + left.1)) & rough;
+                let mask = R::mask_from_bits(better);
+                for (x, to) in branch.q.iter_mut().zip(next.q) {
+                    *x = R::select(mask, to, *x);
+                }
+                *left = (R::select(mask, position2, left.0), R::select(mask, chord2, left.1));
+                *inside = *inside & !better | within & better;
+            }
+        }
+        (inside, missed)
     }
 
     /// Axes of the last joint's frame and the tool point at `q`.
@@ -161,14 +197,13 @@ impl<'a, R: Real> Group<'a, R> {
     pub fn solve(&mut self) {
         let (form, tool) = (self.job.form, self.job.tool());
         form.solve(&self.goal, tool, self.angle, &self.near.preferred, &mut self.candidates);
-        self.wrap();
-        let exact = &self.job.exact;
-        for (i, pair) in self.candidates.as_chunks::<2>().0.iter().enumerate() {
-            for (way, (position2, chord2)) in
-                exact.miss_pair(pair, &self.goal).into_iter().enumerate()
-            {
+        let job = self.job;
+        for (i, pair) in self.candidates.as_chunks_mut::<2>().0.iter_mut().enumerate() {
+            let (inside, missed) = job.settle(pair, &self.goal, &self.near.centre);
+            for (way, (position2, chord2)) in missed.into_iter().enumerate() {
                 let b = 2 * i + way;
-                self.reached[b] = exact.is_near(position2, chord2) & !pair[way].merged;
+                self.inside[b] = inside[way];
+                self.reached[b] = job.exact.is_near(position2, chord2) & !pair[way].merged;
                 self.position2[b] = position2;
                 self.chord2[b] = chord2;
             }
