@@ -100,6 +100,19 @@ impl<R: Real> Goal<R> {
         Self { position: [R::zero(); 3], axes: [[R::zero(); 3]; 3] }
     }
 
+    /// The goal of one lane.
+    #[inline(always)]
+    pub fn of_lane(&self, lane: usize) -> Goal<f64> {
+        let mut one = Goal::zero();
+        for k in 0..3 {
+            one.position[k] = self.position[k].lane(lane);
+            for (to, axis) in one.axes.iter_mut().zip(&self.axes) {
+                to[k] = axis[k].lane(lane);
+            }
+        }
+        one
+    }
+
     /// Writes one lane.
     #[inline(always)]
     pub fn set_lane(&mut self, lane: usize, goal: &Goal<f64>) {

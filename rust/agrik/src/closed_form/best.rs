@@ -259,7 +259,7 @@ fn none<R: Real>(
     }
     let joints = group.job.variables().len();
     let branches = branches.iter().map(|q| &q[..joints]);
-    nearest(&group.job, &group.goal_of(lane), branches, status, rows, i);
+    nearest(&group.job, &group.goal.of_lane(lane), branches, status, rows, i);
 }
 
 /// Writes, in place of an answer, the branch that violates the limits least, held inside

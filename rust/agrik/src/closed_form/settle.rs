@@ -3,7 +3,7 @@
 use super::candidates::{BRANCHES, Candidate, JOINTS, Lanes};
 use super::check::{Exact, Limit, Pair, wrap_one, wrap_pair};
 use super::choose::Choice;
-use super::polish::{STEPS, is_rough, stepped};
+use super::polish::{is_rough, polished};
 use super::srs::{Elbow, Line, Reached, Srs};
 use super::turn::{Side, Turn};
 use super::{ClosedForm, geometry::Geometry};
@@ -68,21 +68,21 @@ impl<'a> Job<'a> {
             return (inside, missed);
         }
         for ((branch, inside), left) in pair.iter_mut().zip(&mut inside).zip(&mut missed) {
-            for _ in 0..STEPS {
-                let rough = R::bits(is_rough(left.0, left.1)) & !branch.merged;
-                if rough == 0 {
-                    break;
+            let mut rough = R::bits(is_rough(left.0, left.1)) & !branch.merged;
+            while rough != 0 {
+                let lane = rough.trailing_zeros() as usize;
+                rough &= rough - 1;
+                let (mut q, mut near) = ([0.0; JOINTS], [0.0; JOINTS]);
+                for j in 0..JOINTS {
+                    (q[j], near[j]) = (branch.q[j].lane(lane), centre[j].lane(lane));
                 }
-                let mut next = Candidate { q: stepped(&self.exact, branch, goal), ..*branch };
-                let within = wrap_one(self.limits(), &mut next, centre);
-                let (position2, chord2) = self.exact.miss(&next.q, goal);
-                let better = R::bits((position2 + chord2).lt(left.0 + left.1)) & rough;
-                let mask = R::mask_from_bits(better);
-                for (x, to) in branch.q.iter_mut().zip(next.q) {
-                    *x = R::select(mask, to, *x);
+                let found = polished(&self.exact, self.limits(), q, &goal.of_lane(lane), &near);
+                for (x, to) in branch.q.iter_mut().zip(found.q) {
+                    x.set_lane(lane, to);
                 }
-                *left = (R::select(mask, position2, left.0), R::select(mask, chord2, left.1));
-                *inside = *inside & !better | within & better;
+                left.0.set_lane(lane, found.position2);
+                left.1.set_lane(lane, found.chord2);
+                *inside = *inside & !(1 << lane) | u32::from(found.inside) << lane;
             }
         }
         (inside, missed)
@@ -246,17 +246,9 @@ impl<'a, R: Real> Group<'a, R> {
             single.near.centre[j] = of(&self.near.centre[j]);
             single.near.preferred[j] = turn(&self.near.preferred[j]);
         }
-        single.goal = self.goal_of(lane);
+        single.goal = self.goal.of_lane(lane);
         single.angle = turn(&self.angle);
         single
-    }
-
-    /// The goal of one lane.
-    pub fn goal_of(&self, lane: usize) -> Goal<f64> {
-        Goal {
-            position: [0, 1, 2].map(|i| self.goal.position[i].lane(lane)),
-            axes: [0, 1, 2].map(|k| [0, 1, 2].map(|i| self.goal.axes[k][i].lane(lane))),
-        }
     }
 
     /// A branch of a single target is within the tolerances, whether or not it is another
