@@ -7,7 +7,7 @@
 //! of its joints (values, rates and second derivatives) in a range that shrinks as the
 //! model gets better.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use super::arm_angle::{elbows, intervals_of};
 use super::candidates::{BRANCHES, JOINTS, Lanes};
@@ -21,6 +21,8 @@ use crate::lanes::{Real, atan2};
 
 /// Arm angles of the first look at each target.
 const SAMPLES: usize = 12;
+/// The same before a proof.
+const PROOF_SAMPLES: usize = 8;
 /// Closer looks: how far from the best arm angle so far the next may be (rad), how many
 /// sections narrow its place, and how far from a limit it keeps, as the model is not exact.
 const LOOKS: [(f64, usize, f64); 3] = [(0.45, 6, 1e-3), (0.1, 8, 1e-5), (0.005, 13, 1e-9)];
@@ -234,7 +236,36 @@ fn certified<R: Real>(
     }
     let limits = single.job.limits();
     let at = arm.reach(&single.goal, single.job.tool(), &single.near.preferred);
+    // Exact costs to begin with: those of the rough look may be too low where joints are in
+    // line, and one that is too high leaves the proof much to do.
+    *best = Best { cost: f64::INFINITY, psi: 0.0 };
+    for k in 0..PROOF_SAMPLES {
+        let psi = k as f64 * (TAU / PROOF_SAMPLES as f64) - PI;
+        let cost = cost_at(arm, &at, &mut single, choice, psi);
+        // From shares of a margin that are left to shares that are taken.
+        let cost = if choice == Choice::Margin { (1.0 + cost).max(0.0) } else { cost };
+        if cost < best.cost {
+            *best = Best { cost, psi };
+        }
+    }
     certify::certify(arm, &elbows(arm, &at, limits), limits, &single.near.centre, choice, best);
+}
+
+/// The least cost of the branches at an arm angle; infinite where none is inside the limits.
+fn cost_at(
+    arm: &Srs,
+    at: &Reached<f64>,
+    single: &mut Group<'_, f64>,
+    choice: Choice,
+    psi: f64,
+) -> f64 {
+    single.solve_at(arm, at, psi.sin_cos());
+    single.wrap();
+    let mut inside = single.inside;
+    for (lanes, candidate) in inside.iter_mut().zip(&single.candidates) {
+        *lanes &= !candidate.merged;
+    }
+    choice.pick(single, &inside).cost
 }
 
 /// The best of some points of the allowed intervals of one lane.
@@ -246,13 +277,7 @@ fn middles<R: Real>(arm: &Srs, group: &Group<'_, R>, choice: Choice, lane: usize
         for interval in branch {
             for share in [0.5, 0.1, 0.9] {
                 let angle = interval.lower + share * (interval.upper - interval.lower);
-                single.solve_at(arm, &at, angle.sin_cos());
-                single.wrap();
-                let mut inside = single.inside;
-                for (lanes, candidate) in inside.iter_mut().zip(&single.candidates) {
-                    *lanes &= !candidate.merged;
-                }
-                let cost = choice.pick(&single, &inside).cost;
+                let cost = cost_at(arm, &at, &mut single, choice, angle);
                 if cost < best.cost {
                     *best = Best { cost, psi: angle };
                 }
