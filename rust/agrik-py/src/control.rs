@@ -27,7 +27,10 @@ struct Buffers {
 pub struct TargetSolver {
     chain: Arc<Chain>,
     setup: Setup,
-    options: Options,
+    /// Direction of the tool axis where targets are points, unit length.
+    direction: Option<[f64; 3]>,
+    seed: u64,
+    first_index: u64,
     q: Py<PyArray1<f64>>,
     buffers: Mutex<Buffers>,
 }
@@ -39,14 +42,16 @@ impl TargetSolver {
             return Err(errors::argument(py, "solver", "a population solver", "a step solver"));
         };
         let dof = chain.dof();
-        let Options { wanted, tolerance, tail, .. } = options;
+        let Options { wanted, tolerance, tail, seed, first_index, .. } = options;
         let setup = Setup::new(&chain, wanted.task, settings.clone(), tolerance, tail);
         Ok(Self {
             setup: setup.map_err(|error| errors::from_core(py, error))?,
             q: PyArray1::zeros(py, dof, false).unbind(),
             buffers: Mutex::new(Buffers { answers: Answers::new(1, dof), start: vec![0.0; dof] }),
             chain,
-            options,
+            direction: wanted.direction,
+            seed,
+            first_index,
         })
     }
 
@@ -92,8 +97,7 @@ impl TargetSolver {
             return Err(wrong_shape(py, "target", shape, "(4, 4) or (3,), a single target"));
         }
         let values = target.values()?;
-        let options = &self.options;
-        let wanted = options.wanted;
+        let direction = self.direction;
         let mut buffers = self.lock();
         let Buffers { answers, start } = &mut *buffers;
         let starts = match q0 {
@@ -109,7 +113,7 @@ impl TargetSolver {
             if let Some(row) = first_not_rigid(poses, 1) {
                 return Err(not_rigid_error(py, &[], row, &poses[row]));
             }
-            match wanted.direction {
+            match direction {
                 None => Goals::Poses(poses),
                 direction => {
                     point = [[poses[0][3], poses[0][7], poses[0][11]]];
@@ -117,9 +121,9 @@ impl TargetSolver {
                 }
             }
         } else {
-            Goals::Positions { points: values.as_chunks().0, direction: wanted.direction }
+            Goals::Positions { points: values.as_chunks().0, direction }
         };
-        let (seed, first_index) = (options.seed, options.first_index);
+        let (seed, first_index) = (self.seed, self.first_index);
         let plan = Plan::with_setup(&self.chain, &self.setup, goals, starts, seed, first_index)
             .map_err(|error| errors::from_core(py, error))?;
         let mut signals = Signals::new();

@@ -95,7 +95,7 @@ fn alone_best<R: Real>(
     i: usize,
 ) {
     let Some(mut target) = target else {
-        job.stand_in(rows.finish(i, unfinished(Status::BadInput)));
+        job.stand_in(rows.finish(i, Outcome::unanswered(Status::BadInput)));
         return;
     };
     target.near.judged_by(choice, job.geometry);
@@ -191,7 +191,7 @@ impl Kernel for InLanes<'_, '_> {
                 }
                 let row = i + lane;
                 if bad >> lane & 1 != 0 {
-                    group.job.stand_in(rows.finish(row, unfinished(Status::BadInput)));
+                    group.job.stand_in(rows.finish(row, Outcome::unanswered(Status::BadInput)));
                 } else if best.found >> lane & 1 != 0 {
                     answer(&group, lane, best.branch.lane(lane) as usize, rows, row);
                 } else {
@@ -203,23 +203,13 @@ impl Kernel for InLanes<'_, '_> {
     }
 }
 
-fn unfinished(status: Status) -> Outcome {
-    Outcome {
-        status,
-        position_error: f64::INFINITY,
-        orientation_error: f64::INFINITY,
-        iterations: 0,
-        restarts: 0,
-    }
-}
-
 /// The outcome of a branch from the squares of what is left.
 #[inline(always)]
 fn reached(position2: f64, chord2: f64) -> Outcome {
     Outcome {
         position_error: position2.sqrt(),
         orientation_error: 2.0 * (0.125 * chord2).sqrt().min(1.0).asin(),
-        ..unfinished(Status::Converged)
+        ..Outcome::unanswered(Status::Converged)
     }
 }
 
@@ -296,7 +286,7 @@ fn nearest<'q>(
     let outcome = Outcome {
         position_error: crate::lanes::dot(way, way).sqrt(),
         orientation_error: crate::lanes::dot(turn, turn).sqrt(),
-        ..unfinished(status)
+        ..Outcome::unanswered(status)
     };
     rows.finish(i, outcome).copy_from_slice(q);
 }

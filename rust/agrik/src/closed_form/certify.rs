@@ -72,10 +72,9 @@ struct Weight {
 
 impl Weight {
     fn of(choice: Choice, limit: Limit, offset: f64, centre: f64) -> Self {
-        let share = if limit.half == f64::INFINITY { 0.0 } else { 1.0 / limit.half.max(1e-9) };
         let (centre, factor) = match choice {
             Choice::Nearest => (centre, 1.0),
-            Choice::Middle | Choice::Margin => (limit.middle, share),
+            Choice::Middle | Choice::Margin => (limit.middle, limit.shares()),
         };
         Self { limit, offset, centre, factor }
     }

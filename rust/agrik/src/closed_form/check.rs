@@ -31,6 +31,12 @@ impl Limit {
         let half = if bounded { 0.5 * (v.upper - v.lower) } else { f64::INFINITY };
         Self { lower: v.lower, upper: v.upper, middle, half }
     }
+
+    /// Shares of half the range in a radian; none where there are no limits.
+    #[inline(always)]
+    pub fn shares(&self) -> f64 {
+        if self.half == f64::INFINITY { 0.0 } else { 1.0 / self.half.max(1e-9) }
+    }
 }
 
 /// Brings joint values within limits by whole turns, each the nearest to its centre that

@@ -15,6 +15,8 @@ use crate::lanes::{Real, V3, atan2_each, atan2_rough, axpy, cross, dot, negate, 
 
 /// The entries of `M` in use: third column, and the first two of the third row.
 type Entries<R> = [R; 5];
+const IN_USE: [(usize, usize); 5] = [(0, 2), (1, 2), (2, 2), (2, 0), (2, 1)];
+const IN_USE_TRANSPOSED: [(usize, usize); 5] = [(2, 0), (2, 1), (2, 2), (0, 2), (1, 2)];
 
 /// A joint's limits, and how its distance from a centre counts. Values are counted from the
 /// middle of the limits here.
@@ -33,12 +35,11 @@ pub(super) struct Weight<R> {
 impl<R: Real> Weight<R> {
     #[inline(always)]
     pub fn of(choice: Choice, limit: &Limit, offset: f64, centre: R) -> Self {
-        let share = if limit.half == f64::INFINITY { 0.0 } else { 1.0 / limit.half.max(1e-9) };
         Self {
             middle: R::splat(offset + limit.middle),
             half: R::splat(limit.half),
             centre: centre - R::splat(limit.middle),
-            factor: R::splat(if choice == Choice::Nearest { 1.0 } else { share }),
+            factor: R::splat(if choice == Choice::Nearest { 1.0 } else { limit.shares() }),
             narrow: limit.half <= PI,
         }
     }
@@ -139,13 +140,14 @@ impl<'a, R: Real> Sweep<'a, R> {
             Self {
                 meeting: one,
                 weights: weights[0],
-                parts: parts(line.frame, elbow.frame),
+                parts: parts(line.frame, elbow.frame, IN_USE),
                 about: line.frame[0],
             },
             Self {
                 meeting: two,
                 weights: weights[1],
-                parts: parts_turned(seen, wanted),
+                // `seen` times the transpose of `wanted`: the same the other way round.
+                parts: parts(wanted, seen, IN_USE_TRANSPOSED),
                 about: negate(seen[0]),
             },
         ]
@@ -270,26 +272,19 @@ impl<R: Real> Moving<R> {
     }
 }
 
-/// The entries in use of `to[0] f0' + (to[1] cos + to[2] sin) f1' + (to[2] cos - to[1] sin) f2'`.
+/// Entries (row, column) of `to[0] f0' + (to[1] cos + to[2] sin) f1' + (to[2] cos - to[1] sin)
+/// f2'`, of which `from` holds the `f`.
 #[inline(always)]
-fn parts<R: Real>(to: [V3<R>; 3], from: [V3<R>; 3]) -> [Entries<R>; 3] {
+fn parts<R: Real>(
+    to: [V3<R>; 3],
+    from: [V3<R>; 3],
+    entries: [(usize, usize); 5],
+) -> [Entries<R>; 3] {
     let mut out = [[R::zero(); 5]; 3];
-    for (n, (i, k)) in [(0, 2), (1, 2), (2, 2), (2, 0), (2, 1)].into_iter().enumerate() {
+    for (n, (i, k)) in entries.into_iter().enumerate() {
         out[0][n] = to[0][i] * from[0][k];
         out[1][n] = to[1][i].mul_add(from[1][k], to[2][i] * from[2][k]);
         out[2][n] = to[2][i].mul_add(from[1][k], -(to[1][i] * from[2][k]));
-    }
-    out
-}
-
-/// The entries in use of `g0 w0' + g1 (w1 cos + w2 sin)' + g2 (w2 cos - w1 sin)'`.
-#[inline(always)]
-fn parts_turned<R: Real>(g: [V3<R>; 3], w: [V3<R>; 3]) -> [Entries<R>; 3] {
-    let mut out = [[R::zero(); 5]; 3];
-    for (n, (i, k)) in [(0, 2), (1, 2), (2, 2), (2, 0), (2, 1)].into_iter().enumerate() {
-        out[0][n] = g[0][i] * w[0][k];
-        out[1][n] = g[1][i].mul_add(w[1][k], g[2][i] * w[2][k]);
-        out[2][n] = g[1][i].mul_add(w[2][k], -(g[2][i] * w[1][k]));
     }
     out
 }

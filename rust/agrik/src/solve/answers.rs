@@ -98,6 +98,19 @@ pub(crate) struct Outcome {
     pub restarts: u32,
 }
 
+impl Outcome {
+    /// Of a target without an answer so far.
+    pub fn unanswered(status: Status) -> Self {
+        Self {
+            status,
+            position_error: f64::INFINITY,
+            orientation_error: f64::INFINITY,
+            iterations: 0,
+            restarts: 0,
+        }
+    }
+}
+
 impl<'a> AnswersMut<'a> {
     /// How many rows.
     pub fn len(&self) -> usize {

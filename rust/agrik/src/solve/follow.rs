@@ -116,13 +116,7 @@ impl Walker<'_> {
     /// Goes to a target: the answer, and whether it is no continuation.
     fn advance(&mut self, row: usize) -> (Outcome, bool) {
         let plan = &self.follow.plan;
-        let mut outcome = Outcome {
-            status: Status::BadInput,
-            position_error: f64::INFINITY,
-            orientation_error: f64::INFINITY,
-            iterations: 0,
-            restarts: 0,
-        };
+        let mut outcome = Outcome::unanswered(Status::BadInput);
         let Some(goal) = plan.goal(row) else { return (outcome, true) };
         let mut stream = Stream::new(plan.sampler.key(row, 0));
         let mut found = None;

@@ -139,13 +139,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         loop {
             let Some((place, row)) = runs.next_row(next) else { return false };
             let Some(goal) = self.plan.goal(row) else {
-                let outcome = Outcome {
-                    status: Status::BadInput,
-                    position_error: f64::INFINITY,
-                    orientation_error: f64::INFINITY,
-                    iterations: 0,
-                    restarts: 0,
-                };
+                let outcome = Outcome::unanswered(Status::BadInput);
                 runs.finish(place, outcome, self.variables.iter().map(Variable::near_zero));
                 continue;
             };

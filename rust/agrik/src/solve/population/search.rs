@@ -38,10 +38,10 @@ pub struct Evolution<'a> {
 impl<'a> Evolution<'a> {
     /// A checked search.
     pub fn new(plan: Plan<'a>, settings: Settings) -> Result<Self> {
-        settings.check_for(&plan.setup().task)?;
-        let orientation_weight = settings
-            .orientation_weight
-            .unwrap_or(settings.position_weight * plan.setup().rotation_scale);
+        let setup = plan.setup();
+        settings.check_for(&setup.task)?;
+        let orientation_weight =
+            settings.orientation_weight.unwrap_or(settings.position_weight * setup.rotation_scale);
         Ok(Self { plan, settings, orientation_weight })
     }
 
@@ -64,16 +64,16 @@ impl<'a> Evolution<'a> {
         }
         let start = plan.starts.row(row, plan.chain.dof());
         let weight = self.settings.start_weight;
+        let setup = plan.setup();
         TaskFitness {
-            task: plan.setup().task,
+            task: setup.task,
             orientation: self.settings.orientation,
             position_weight: self.settings.position_weight,
             orientation_weight: self.orientation_weight,
-            tail: plan.setup().tail,
-            plain_tail: plan.setup().tail.rotation
-                == [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            tail: setup.tail,
+            plain_tail: setup.tail.rotation == [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             goal: lanes,
-            target: EulerGoal::of(tool_axes(goal, &plan.setup().tail.rotation)),
+            target: EulerGoal::of(tool_axes(goal, &setup.tail.rotation)),
             start: start.filter(|_| weight > 0.0).map(|q| (weight, q)),
         }
     }
@@ -197,13 +197,7 @@ impl<'e, R: Real> Search<'e, R> {
     fn solve(&mut self, row: usize, keep_going: &mut dyn FnMut() -> bool) -> Option<Outcome> {
         let (plan, settings) = (&self.evolution.plan, &self.evolution.settings);
         self.forget();
-        let mut outcome = Outcome {
-            status: Status::BadInput,
-            position_error: f64::INFINITY,
-            orientation_error: f64::INFINITY,
-            iterations: 0,
-            restarts: 0,
-        };
+        let mut outcome = Outcome::unanswered(Status::BadInput);
         let Some(goal) = plan.goal(row) else { return Some(outcome) };
         let start = plan.starts.row(row, plan.chain.dof());
         if start.is_some() {
@@ -341,16 +335,15 @@ impl<'e, R: Real> Search<'e, R> {
         let plan = &self.evolution.plan;
         forward(plan.chain.compiled(), &self.q, &mut self.workspace);
         let (position2, orientation2) = plan.errors(&self.workspace, goal);
-        let tolerance = plan.setup().tolerance;
+        let setup = plan.setup();
+        let tolerance = setup.tolerance;
         let reached = position2 <= (tolerance.position * INSIDE).powi(2)
             && orientation2 <= (tolerance.orientation * INSIDE).powi(2);
         let squared = match start {
             Some(start) if reached => {
                 self.q.iter().zip(start).map(|(x, s)| (x - s) * (x - s)).sum()
             }
-            _ => {
-                position2 + plan.setup().rotation_scale * plan.setup().rotation_scale * orientation2
-            }
+            _ => position2 + setup.rotation_scale * setup.rotation_scale * orientation2,
         };
         let better = match (reached, self.found.reached) {
             (true, false) => true,
