@@ -78,10 +78,11 @@ pub(super) fn search<R: Real>(
         if found >> lane & 1 != 0 {
             best = Best { cost: cost.lane(lane), psi: psi.lane(lane) };
         }
+        let single = &mut group.one_lane(lane);
         if proof {
-            certified(arm, group, choice, lane, &mut best);
+            certified(arm, single, choice, &mut best);
         } else {
-            middles(arm, group, choice, lane, &mut best);
+            middles(arm, single, choice, &mut best);
         }
         if best.cost < f64::INFINITY {
             psi.set_lane(lane, best.psi);
@@ -219,16 +220,9 @@ fn least<R: Real>(
     R::select(at_c.le(at_d), c, d)
 }
 
-/// The best of one lane, proven.
+/// The best of one target, proven.
 #[inline(never)]
-fn certified<R: Real>(
-    arm: &Srs,
-    group: &Group<'_, R>,
-    choice: Choice,
-    lane: usize,
-    best: &mut Best,
-) {
-    let mut single = group.one_lane(lane);
+fn certified(arm: &Srs, single: &mut Group<'_, f64>, choice: Choice, best: &mut Best) {
     single.solve();
     // A wrist too far away is so at every arm angle.
     if !(0..BRANCHES).any(|b| single.reaches(b)) {
@@ -241,7 +235,7 @@ fn certified<R: Real>(
     *best = Best { cost: f64::INFINITY, psi: 0.0 };
     for k in 0..PROOF_SAMPLES {
         let psi = k as f64 * (TAU / PROOF_SAMPLES as f64) - PI;
-        let cost = cost_at(arm, &at, &mut single, choice, psi);
+        let cost = cost_at(arm, &at, single, choice, psi);
         // From shares of a margin that are left to shares that are taken.
         let cost = if choice == Choice::Margin { (1.0 + cost).max(0.0) } else { cost };
         if cost < best.cost {
@@ -268,16 +262,15 @@ fn cost_at(
     choice.pick(single, &inside).cost
 }
 
-/// The best of some points of the allowed intervals of one lane.
+/// The best of some points of the allowed intervals of one target.
 #[inline(never)]
-fn middles<R: Real>(arm: &Srs, group: &Group<'_, R>, choice: Choice, lane: usize, best: &mut Best) {
-    let mut single = group.one_lane(lane);
+fn middles(arm: &Srs, single: &mut Group<'_, f64>, choice: Choice, best: &mut Best) {
     let at = arm.reach(&single.goal, single.job.tool(), &single.near.preferred);
     for branch in intervals_of(arm, &at, single.job.limits()) {
         for interval in branch {
             for share in [0.5, 0.1, 0.9] {
                 let angle = interval.lower + share * (interval.upper - interval.lower);
-                let cost = cost_at(arm, &at, &mut single, choice, angle);
+                let cost = cost_at(arm, &at, single, choice, angle);
                 if cost < best.cost {
                     *best = Best { cost, psi: angle };
                 }

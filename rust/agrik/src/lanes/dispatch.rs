@@ -105,7 +105,7 @@ pub fn dispatch<K: Kernel>(level: Level, kernel: K) -> K::Output {
         }
         #[cfg(target_arch = "aarch64")]
         Level::Neon => kernel.run::<super::neon::F64x4>(),
-        _ => kernel.run::<f64>(),
+        _ => plain(kernel),
     }
 }
 
@@ -120,8 +120,14 @@ pub fn dispatch_single<K: Kernel>(level: Level, kernel: K) -> K::Output {
         }
         #[cfg(target_arch = "aarch64")]
         Level::Neon => kernel.run::<Fused>(),
-        _ => kernel.run::<f64>(),
+        _ => plain(kernel),
     }
+}
+
+/// One copy for both dispatches.
+#[inline(never)]
+fn plain<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<f64>()
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -48,11 +48,20 @@ impl<'a> Evolution<'a> {
     /// The best cost of the first population of target `row` and after each generation of
     /// its first run; the curve that papers print.
     pub fn trace(&self, level: Level, row: usize) -> Result<Vec<f64>> {
-        let goal = self
-            .plan
-            .goal(row)
-            .ok_or_else(|| Error::argument("targets", "finite numbers", "NaN or infinity"))?;
-        Ok(dispatch(level, Trace { evolution: self, level, row, goal }))
+        if self.plan.goal(row).is_none() {
+            return Err(Error::argument("targets", "finite numbers", "NaN or infinity"));
+        }
+        let settings = Settings { polish: false, max_restarts: 0, ..self.settings };
+        let evolution = &Self { settings, ..self.clone() };
+        let mut answers = Answers::new(1, self.dof());
+        let mut rows = answers.as_mut();
+        rows.first = row;
+        let mut rows = Some(rows);
+        let (next, keep_going) = (&mut || rows.take(), &mut || true);
+        let mut trace = Vec::new();
+        let wanted = Some(&mut trace);
+        dispatch(level, Searches { evolution, level, next, keep_going, trace: wanted });
+        Ok(trace)
     }
 
     #[inline(always)]
@@ -101,7 +110,7 @@ impl Solve for Evolution<'_> {
         next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
         keep_going: &mut dyn FnMut() -> bool,
     ) -> bool {
-        dispatch(level, Searches { evolution: self, level, next, keep_going })
+        dispatch(level, Searches { evolution: self, level, next, keep_going, trace: None })
     }
 }
 
@@ -110,6 +119,7 @@ struct Searches<'k, 'a> {
     level: Level,
     next: &'k mut dyn FnMut() -> Option<AnswersMut<'a>>,
     keep_going: &'k mut dyn FnMut() -> bool,
+    trace: Option<&'k mut Vec<f64>>,
 }
 
 impl Kernel for Searches<'_, '_> {
@@ -117,6 +127,7 @@ impl Kernel for Searches<'_, '_> {
     #[inline(always)]
     fn run<R: Real>(self) -> bool {
         let mut search = Search::<R>::new(self.evolution, self.level);
+        search.trace = self.trace.is_some().then(Vec::new);
         while let Some(mut rows) = (self.next)() {
             for i in 0..rows.len() {
                 let Some(outcome) = search.solve(rows.first + i, self.keep_going) else {
@@ -125,26 +136,10 @@ impl Kernel for Searches<'_, '_> {
                 rows.finish(i, outcome).copy_from_slice(&search.found.q);
             }
         }
+        if let (Some(trace), Some(costs)) = (self.trace, search.trace) {
+            *trace = costs;
+        }
         true
-    }
-}
-
-struct Trace<'k> {
-    evolution: &'k Evolution<'k>,
-    level: Level,
-    row: usize,
-    goal: Goal<f64>,
-}
-
-impl Kernel for Trace<'_> {
-    type Output = Vec<f64>;
-    #[inline(always)]
-    fn run<R: Real>(self) -> Vec<f64> {
-        let mut search = Search::<R>::new(self.evolution, self.level);
-        let mut progress = Progress::new(&self.evolution.settings);
-        progress.trace = Some(Vec::new());
-        search.evolve(self.row, 0, &self.goal, &mut progress, &mut || true);
-        progress.trace.unwrap_or_default()
     }
 }
 
@@ -168,6 +163,8 @@ struct Search<'e, R: Real> {
     order: Vec<usize>,
     q: Vec<f64>,
     found: Found,
+    /// Best costs, where they are wanted.
+    trace: Option<Vec<f64>>,
 }
 
 impl<'e, R: Real> Search<'e, R> {
@@ -189,6 +186,7 @@ impl<'e, R: Real> Search<'e, R> {
                 position_error: f64::INFINITY,
                 orientation_error: f64::INFINITY,
             },
+            trace: None,
         }
     }
 
@@ -212,7 +210,9 @@ impl<'e, R: Real> Search<'e, R> {
         }
         while !self.found.reached {
             let mut progress = Progress::new(settings);
+            progress.trace = self.trace.take();
             let end = self.evolve(row, outcome.restarts, &goal, &mut progress, keep_going);
+            self.trace = progress.trace.take();
             if end == End::Interrupted {
                 return None;
             }
