@@ -83,6 +83,16 @@ def test_batches_of_random_poses_never_do_worse_than_the_quick_look(choose):
         assert 0.005 < (cost < other - 1e-6).mean() < 0.4
 
 
+@pytest.mark.parametrize("count", [1, 200])
+def test_the_solver_by_its_name_is_that_with_the_defaults(count):
+    arm = load("redundant7")
+    targets = arm.fk(arm.random_q(count, seed=25))
+    by_name = arm.ik(targets, solver="closed_form")
+    assert by_name.success.all()
+    assert (by_name.q == arm.ik(targets, solver=solvers.ClosedForm()).q).all()
+    assert (by_name.q == arm.ik(targets, solver="auto").q).all()
+
+
 @pytest.mark.parametrize("name", ["redundant7", "iiwa14"])
 def test_a_start_that_solves_the_pose_is_the_nearest(name):
     arm = load(name)
@@ -120,12 +130,30 @@ def test_limits_that_leave_little(load_robot):
     assert unreachable > 100
 
 
+@pytest.mark.parametrize("certify", [False, True])
+def test_axes_in_line_are_no_proof_of_out_of_reach(load_robot, certify):
+    """Joints in line share a turn in any way, more than arm angles tell of."""
+    rows = [[row.a, row.alpha, row.d, row.theta] for row in load_robot("redundant7").dh]
+    arm = Robot.from_dh(rows, limits=np.tile([-1.2, 1.2], (7, 1)))
+    q = arm.random_q(200, seed=3)
+    q[:, [1, 3, 5]] = 0.0
+    q[100:, 5] = 0.7
+    # Out of reach for want of height, though the arm's axes are in line.
+    beyond = arm.fk(q[:5])
+    beyond[:, 2, 3] += 0.01
+    solver = solvers.ClosedForm(certify=certify)
+    result = arm.ik(arm.fk(q), solver=solver)
+    assert set(result.status) <= {Status.CONVERGED, Status.NOT_FOUND}
+    assert result.success.mean() > 0.5
+    assert (arm.ik(beyond, solver=solver).status == Status.OUT_OF_REACH).all()
+
+
 def test_joints_that_turn_freely(load_robot):
     rows = [[row.a, row.alpha, row.d, row.theta] for row in load_robot("redundant7").dh]
     arm = Robot.from_dh(rows)
     q0 = arm.random_q(40, seed=1)
     targets = arm.fk(arm.random_q(40, seed=2))
-    result = arm.ik(targets, q0=q0, solver="closed_form")
+    result = arm.ik(targets, q0=q0, solver=solvers.ClosedForm(certify=True))
     assert result.success.all()
     for target, start, q in zip(targets, q0, result.q, strict=True):
         found = arm.ik_all(np.broadcast_to(target, (len(ANGLES), 4, 4)), arm_angle=ANGLES, q0=start)
@@ -133,10 +161,12 @@ def test_joints_that_turn_freely(load_robot):
         assert ((q - start) ** 2).sum() <= cost.min() + TOLERANCE
 
 
-def test_alone_and_in_a_batch(load_robot):
+@pytest.mark.parametrize("certify", [False, True])
+def test_alone_and_in_a_batch(load_robot, certify):
     arm = load_robot("redundant7")
     targets = arm.fk(arm.random_q(50, seed=25))
-    batch = arm.ik(targets, solver="closed_form")
+    solver = solvers.ClosedForm(certify=certify)
+    batch = arm.ik(targets, solver=solver)
     for i in range(0, 50, 7):
-        assert (arm.ik(targets[i], solver="closed_form").q == batch.q[i]).all()
-    assert (arm.ik(targets, solver="closed_form", threads=2).q == batch.q).all()
+        assert (arm.ik(targets[i], solver=solver).q == batch.q[i]).all()
+    assert (arm.ik(targets, solver=solver, threads=2).q == batch.q).all()

@@ -98,7 +98,7 @@ pub fn closed_form_of(solver: &Bound<'_, PyAny>) -> PyResult<Option<(Choice, Opt
 /// The closed form with the fields of a solver object, or with the defaults.
 fn closed_form(solver: Option<&Bound<'_, PyAny>>) -> PyResult<Chosen> {
     let Some(solver) = solver else {
-        return Ok(Chosen::ClosedForm { choice: Choice::default(), arm_angle: None, proof: true });
+        return Ok(Chosen::ClosedForm { choice: Choice::default(), arm_angle: None, proof: false });
     };
     let choice = word("choose", &solver.getattr("choose")?, &CHOICES)?;
     let angle = solver.getattr("arm_angle")?;

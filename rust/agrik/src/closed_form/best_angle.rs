@@ -21,7 +21,7 @@ use crate::lanes::{Real, atan2};
 
 /// Arm angles of the first look at each target.
 const SAMPLES: usize = 12;
-/// The same before a proof.
+/// The same before a proof where the first look has found none.
 const PROOF_SAMPLES: usize = 8;
 /// Closer looks: how far from the best arm angle so far the next may be (rad), how many
 /// sections narrow its place, and how far from a limit it keeps, as the model is not exact.
@@ -86,7 +86,7 @@ pub(super) fn search<R: Real>(
         }
         if best.cost < f64::INFINITY {
             psi.set_lane(lane, best.psi);
-        } else {
+        } else if all_told(arm, single) {
             none |= 1 << lane;
         }
     }
@@ -220,29 +220,39 @@ fn least<R: Real>(
     R::select(at_c.le(at_d), c, d)
 }
 
-/// The best of one target, proven.
+/// The best of one target, proven; returns how far its cost may be above the least.
 #[inline(never)]
-fn certified(arm: &Srs, single: &mut Group<'_, f64>, choice: Choice, best: &mut Best) {
+fn certified(arm: &Srs, single: &mut Group<'_, f64>, choice: Choice, best: &mut Best) -> f64 {
     single.solve();
     // A wrist too far away is so at every arm angle.
     if !(0..BRANCHES).any(|b| single.reaches(b)) {
-        return;
+        return certify::TOLERANCE;
     }
     let limits = single.job.limits();
     let at = arm.reach(&single.goal, single.job.tool(), &single.near.preferred);
     // Exact costs to begin with: those of the rough look may be too low where joints are in
     // line, and one that is too high leaves the proof much to do.
+    let looked = *best;
     *best = Best { cost: f64::INFINITY, psi: 0.0 };
-    for k in 0..PROOF_SAMPLES {
-        let psi = k as f64 * (TAU / PROOF_SAMPLES as f64) - PI;
+    let mut consider = |psi: f64| {
         let cost = cost_at(arm, &at, single, choice, psi);
         // From shares of a margin that are left to shares that are taken.
         let cost = if choice == Choice::Margin { (1.0 + cost).max(0.0) } else { cost };
         if cost < best.cost {
             *best = Best { cost, psi };
         }
+    };
+    if looked.cost < f64::INFINITY {
+        consider(looked.psi);
+    } else {
+        (0..PROOF_SAMPLES).for_each(|k| consider(k as f64 * (TAU / PROOF_SAMPLES as f64) - PI));
     }
-    certify::certify(arm, &elbows(arm, &at, limits), limits, &single.near.centre, choice, best);
+    let bent = elbows(arm, &at, limits);
+    let tolerance = certify::certify(arm, &bent, limits, &single.near.centre, choice, best);
+    if tolerance == f64::INFINITY && best.cost == f64::INFINITY {
+        middles(arm, single, choice, best);
+    }
+    tolerance
 }
 
 /// The least cost of the branches at an arm angle; infinite where none is inside the limits.
@@ -273,6 +283,92 @@ fn middles(arm: &Srs, single: &mut Group<'_, f64>, choice: Choice, best: &mut Be
                 let cost = cost_at(arm, &at, single, choice, angle);
                 if cost < best.cost {
                     *best = Best { cost, psi: angle };
+                }
+            }
+        }
+    }
+}
+
+/// Whether arm angles tell of all postures: not where axes come into line, and joints may
+/// share an angle in any way.
+#[inline(never)]
+fn all_told(arm: &Srs, single: &Group<'_, f64>) -> bool {
+    let at = arm.reach(&single.goal, single.job.tool(), &single.near.preferred);
+    let bent = elbows(arm, &at, single.job.limits());
+    !bent.iter().flat_map(certify::wheels).any(|wheel| wheel.comes_in_line())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use rand_xoshiro::Xoshiro256PlusPlus;
+    use rand_xoshiro::rand_core::{Rng, SeedableRng};
+
+    use super::*;
+    use crate::chain::{Chain, DhConvention, DhRow, JointKind};
+    use crate::closed_form::ClosedForm;
+    use crate::closed_form::settle::{Job, Near};
+    use crate::solve::Tolerance;
+    use crate::task::Goal;
+
+    /// A 7R arm of the common kind.
+    fn arm(limit: f64) -> Chain {
+        let twists = [-1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 0.0].map(|x| x * FRAC_PI_2);
+        let lengths = [0.34, 0.0, 0.4, 0.0, 0.4, 0.0, 0.126];
+        let joints = twists.iter().zip(lengths).enumerate().map(|(i, (&alpha, d))| {
+            let row = DhRow { a: 0.0, alpha, d, theta: 0.0 };
+            let name = format!("q{i}");
+            row.joint(DhConvention::Standard, name, JointKind::Revolute, -limit, limit)
+        });
+        let none = nalgebra::IsometryMatrix3::identity();
+        Chain::new("arm", joints.collect(), none, none, None).expect("a chain")
+    }
+
+    /// Proofs end, at the tolerance that is promised, also where axes are in line or the
+    /// arm is stretched, where many arm angles cost the same or nearly so.
+    #[test]
+    fn proofs_end_within_the_tolerance() {
+        let mut stream = Xoshiro256PlusPlus::seed_from_u64(11);
+        for limit in [1.2, 2.1, 2.9] {
+            let chain = arm(limit);
+            let form = ClosedForm::of(&chain).expect("a closed form");
+            let ClosedForm::Srs(srs) = form else { panic!("an S-R-S arm") };
+            assert!(certify::applies(srs));
+            let tail = chain.compiled().tail;
+            for case in 0..240 {
+                let mut draw = || {
+                    let u = (stream.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+                    limit * (2.0 * u - 1.0)
+                };
+                let mut q = [0.0; JOINTS].map(|_| draw());
+                let near = [0.0; JOINTS].map(|_| draw());
+                for (j, tiny) in [(1, 1), (3, 2), (5, 4), (2, 8)] {
+                    // One in three of them almost.
+                    if case & tiny != 0 {
+                        q[j] = if case % 3 == 0 { 1e-6 } else { 0.0 };
+                    }
+                }
+                let mut single =
+                    Group::<f64>::new(Job::new(&chain, form, tail, Tolerance::default()));
+                let (axes, position) = single.job.pose(&q);
+                single.goal = Goal { position, axes };
+                for choice in [Choice::Nearest, Choice::Middle, Choice::Margin] {
+                    single.near = Near::to(single.job.geometry, Some(&near));
+                    single.near.judged_by(choice, single.job.geometry);
+                    let mut best = Best { cost: f64::INFINITY, psi: 0.0 };
+                    let tolerance = certified(srs, &mut single, choice, &mut best);
+                    // In line at every arm angle: no proof. In line at this one: the only
+                    // postures inside the limits may be those that arm angles do not tell.
+                    let in_line = q[3] == 0.0 && (q[1] == 0.0 || q[5] == 0.0);
+                    let told = q[1] != 0.0 && q[5] != 0.0;
+                    assert_eq!(tolerance == f64::INFINITY, in_line, "{limit} {case} {choice:?}");
+                    // Almost in line, angles may jump within less than a millionth of a turn.
+                    let most = if case % 3 == 0 { 64.0 } else { 1.0 } * certify::TOLERANCE;
+                    assert!(in_line || tolerance <= most, "{limit} {case} {choice:?} {tolerance}");
+                    let found = best.cost < f64::INFINITY;
+                    assert!(found || !told, "{limit} {case} {choice:?}");
+                    assert!(found || !all_told(srs, &single), "{limit} {case} {choice:?}");
                 }
             }
         }

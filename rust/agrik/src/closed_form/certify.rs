@@ -32,7 +32,13 @@
 //! where the second derivative is positive, after its one stationary point has been looked
 //! at. Else it is halved. Ranges shrink to points as pieces do, so this ends; a piece
 //! shorter than [`SHORTEST`] is put aside as well, which can only happen where first and
-//! last axis of a triple come into line (`c^2 = 1`) and its angles jump.
+//! last axis of a triple come into line (`c^2 = 1`) and its angles jump. An arm stretched
+//! along an axis of a triple may have them in line at every arm angle: of such a triple only
+//! a sum of angles is known, and nothing is proven.
+//!
+//! How many pieces that takes has no bound worth its name; a target takes some hundreds.
+//! So that no call lasts for ever, the tolerance doubles with every [`PATIENCE`] pieces,
+//! and the one that holds at the end is returned.
 
 use std::f64::consts::{PI, TAU};
 
@@ -47,6 +53,8 @@ use crate::lanes::Real;
 
 /// How far the cost may be above the least one: rad^2, or shares (their squares).
 pub const TOLERANCE: f64 = 1e-9;
+/// Pieces after which the tolerance doubles, and again after as many more.
+const PATIENCE: u32 = 20_000;
 /// Pieces below this length are not halved, rad.
 const SHORTEST: f64 = 1e-11;
 /// Share of the rounding past a limit ([`super::check::SLACK`]) that is made use of here.
@@ -59,6 +67,34 @@ const STEPS: usize = 60;
 pub(super) struct Best {
     pub cost: f64,
     pub psi: f64,
+}
+
+/// A search under way.
+struct Hunt<'b> {
+    best: &'b mut Best,
+    tolerance: f64,
+    pieces: u32,
+}
+
+impl Hunt<'_> {
+    /// Only costs below this are of interest.
+    fn wanted(&self) -> f64 {
+        self.best.cost - self.tolerance
+    }
+
+    fn consider(&mut self, point: &Point) {
+        if point.cost < self.best.cost {
+            *self.best = Best { cost: point.cost, psi: point.psi };
+        }
+    }
+
+    /// Counts a piece.
+    fn spend(&mut self) {
+        self.pieces += 1;
+        if self.pieces.is_multiple_of(PATIENCE) {
+            self.tolerance *= 2.0;
+        }
+    }
 }
 
 /// How a joint's value counts.
@@ -151,16 +187,14 @@ impl Costs {
     /// The least cost of a triple on a piece, and the ranges of its joints' distances.
     fn least(
         &self,
-        wheel: &Wheel,
         (triple, side): (usize, f64),
         [from, to]: [&Spoke; 2],
-        sign: f64,
     ) -> (f64, [Option<Range>; 3]) {
-        let middle = wheel.rates(0.5 * (from.c + to.c), sign);
+        let ways = from.ways(to);
         let (mut cost, mut offs) = (0.0, [None; 3]);
         for j in 0..3 {
             let (x, y) = (turn(side, j, from), turn(side, j, to));
-            let range = if j == 1 { Range::of(x, y) } else { swept(x, y, middle[j]) };
+            let range = if j == 1 { Range::of(x, y) } else { swept(x, y, ways[j]) };
             let least;
             (least, offs[j]) = self.weight(triple, j).least(range);
             cost = self.add(cost, least);
@@ -183,11 +217,6 @@ fn turn(side: f64, j: usize, spoke: &Spoke) -> f64 {
     }
 }
 
-/// The sign of `c'` between two arm angles between which it does not change.
-fn sign(from: &Spoke, to: &Spoke) -> f64 {
-    if to.c >= from.c { 1.0 } else { -1.0 }
-}
-
 /// One branch of an elbow.
 struct Branch<'w> {
     wheels: &'w [Wheel; 2],
@@ -205,10 +234,10 @@ impl Branch<'_> {
     }
 
     /// The cost at an arm angle, infinite outside the limits, and its derivative.
-    fn point(&self, psi: f64, at: Spokes, signs: [f64; 2]) -> Point {
+    fn point(&self, psi: f64, at: Spokes) -> Point {
         let (mut cost, mut slope) = (self.fourth, 0.0);
         for (triple, spoke) in at.iter().enumerate() {
-            let rates = self.wheels[triple].rates(spoke.c, signs[triple]);
+            let rates = spoke.rates();
             for j in 0..3 {
                 let x = turn(self.sides[triple], j, spoke);
                 let weight = self.costs.weight(triple, j);
@@ -221,36 +250,35 @@ impl Branch<'_> {
         Point { psi, at, cost, slope }
     }
 
-    fn consider(&self, point: &Point, best: &mut Best) {
-        if point.cost < best.cost {
-            *best = Best { cost: point.cost, psi: point.psi };
-        }
-    }
-
     /// Searches a piece on which all angles are monotone.
-    fn search(&self, [from, to]: [&(f64, Spokes); 2], best: &mut Best, open: &mut Vec<[Point; 2]>) {
-        let signs = [0, 1].map(|i| sign(&from.1[i], &to.1[i]));
+    fn search(
+        &self,
+        [from, to]: [&(f64, Spokes); 2],
+        hunt: &mut Hunt<'_>,
+        open: &mut Vec<[Point; 2]>,
+    ) {
         // Inside the limits as a whole or not at all.
-        let middle = self.at(0.5 * (from.0 + to.0), signs);
+        let middle = self.at(0.5 * (from.0 + to.0));
         if middle.cost == f64::INFINITY {
             return;
         }
-        self.consider(&middle, best);
-        let first = self.point(from.0, from.1, signs);
-        let last = self.point(to.0, to.1, signs);
+        hunt.consider(&middle);
+        let first = self.point(from.0, from.1);
+        let last = self.point(to.0, to.1);
         for (end, inwards) in [(&first, 1.0), (&last, -1.0)] {
-            self.consider(end, best);
+            hunt.consider(end);
             // A limit that rounding puts the end past: just before it.
             if end.cost == f64::INFINITY {
                 let near = end.psi + inwards * (0.25 * (to.0 - from.0)).min(1e-9);
-                self.consider(&self.at(near, signs), best);
+                hunt.consider(&self.at(near));
             }
         }
         open.clear();
         open.extend([[middle, last], [first, middle]]);
         while let Some([first, last]) = open.pop() {
-            let wanted = best.cost - TOLERANCE;
-            let Some(slopes) = self.bounds(&first, &last, signs, wanted) else { continue };
+            hunt.spend();
+            let wanted = hunt.wanted();
+            let Some(slopes) = self.bounds(&first, &last, wanted) else { continue };
             let width = last.psi - first.psi;
             if width < SHORTEST {
                 continue;
@@ -263,23 +291,23 @@ impl Branch<'_> {
                     continue;
                 }
                 if slopes.second.low > 0.0 {
-                    self.consider(&self.stationary(first, last, signs), best);
+                    hunt.consider(&self.stationary(first, last));
                     continue;
                 }
             }
-            let middle = self.at(first.psi + 0.5 * width, signs);
-            self.consider(&middle, best);
+            let middle = self.at(first.psi + 0.5 * width);
+            hunt.consider(&middle);
             open.extend([[middle, last], [first, middle]]);
         }
     }
 
-    fn at(&self, psi: f64, signs: [f64; 2]) -> Point {
-        self.point(psi, spokes(self.wheels, psi), signs)
+    fn at(&self, psi: f64) -> Point {
+        self.point(psi, spokes(self.wheels, psi))
     }
 
     /// The one place where the derivative vanishes on a piece where it grows, or the end
     /// next to it.
-    fn stationary(&self, mut a: Point, mut b: Point, signs: [f64; 2]) -> Point {
+    fn stationary(&self, mut a: Point, mut b: Point) -> Point {
         if a.slope >= 0.0 {
             return a;
         }
@@ -291,7 +319,7 @@ impl Branch<'_> {
         for step in 0..STEPS {
             let cut = a.psi + (b.psi - a.psi) * (at_a / (at_a - at_b));
             let halve = step % 4 == 3 || !(cut > a.psi && cut < b.psi);
-            let x = self.at(if halve { 0.5 * (a.psi + b.psi) } else { cut }, signs);
+            let x = self.at(if halve { 0.5 * (a.psi + b.psi) } else { cut });
             // The cost is quadratic here.
             if x.slope.abs() < 1e-6 || b.psi - a.psi < 1e-8 {
                 return x;
@@ -310,20 +338,14 @@ impl Branch<'_> {
 
     /// `None` where the ranges of a piece allow no cost below `wanted`; else what they say
     /// of the derivatives, where they say anything.
-    fn bounds(
-        &self,
-        first: &Point,
-        last: &Point,
-        signs: [f64; 2],
-        wanted: f64,
-    ) -> Option<Option<Slopes>> {
+    fn bounds(&self, first: &Point, last: &Point, wanted: f64) -> Option<Option<Slopes>> {
         let mut cost = self.fourth;
         let mut offs = [[None; 3]; 2];
         for (triple, offs) in offs.iter_mut().enumerate() {
             let ends = [&first.at[triple], &last.at[triple]];
             let of = (triple, self.sides[triple]);
             let least;
-            (least, *offs) = self.costs.least(&self.wheels[triple], of, ends, signs[triple]);
+            (least, *offs) = self.costs.least(of, ends);
             cost = self.costs.together(cost, least);
             if cost >= wanted {
                 return None;
@@ -332,7 +354,7 @@ impl Branch<'_> {
         if self.costs.choice == Choice::Margin || last.psi - first.psi > 1.5 {
             return Some(None);
         }
-        Some(self.slopes(first, last, &offs, signs))
+        Some(self.slopes(first, last, &offs))
     }
 
     fn slopes(
@@ -340,13 +362,12 @@ impl Branch<'_> {
         first: &Point,
         last: &Point,
         offs: &[[Option<Range>; 3]; 2],
-        signs: [f64; 2],
     ) -> Option<Slopes> {
         let none = Range { low: 0.0, high: 0.0 };
         let (mut slope, mut bend) = (none, none);
         for triple in 0..2 {
-            let c = Range::of(first.at[triple].c, last.at[triple].c);
-            let (rates, bends) = self.wheels[triple].rate_ranges(c, signs[triple])?;
+            let ends = (&first.at[triple], &last.at[triple]);
+            let (rates, bends) = self.wheels[triple].rate_ranges(ends.0, ends.1)?;
             for j in 0..3 {
                 let weight = self.costs.weight(triple, j);
                 let side = if j == 1 { self.sides[triple] } else { 1.0 };
@@ -403,6 +424,11 @@ fn spokes(wheels: &[Wheel; 2], psi: f64) -> Spokes {
     [wheels[0].at(s, c), wheels[1].at(s, c)]
 }
 
+/// Shoulder and wrist as functions of the arm angle.
+pub(super) fn wheels(bent: &Bent) -> [Wheel; 2] {
+    [Wheel::new(bent.shoulder), Wheel::new(bent.wrist)]
+}
+
 /// Whether the proof holds for an arm.
 pub(super) fn applies(arm: &Srs) -> bool {
     let (shoulder, wrist) = arm.meetings();
@@ -410,7 +436,8 @@ pub(super) fn applies(arm: &Srs) -> bool {
     right(shoulder) && right(wrist)
 }
 
-/// Lowers `best` to the least cost of all arm angles and branches of one target.
+/// Lowers `best` to the least cost of all arm angles and branches of one target; returns how
+/// far it may be above that: [`TOLERANCE`], more where [`PATIENCE`] ran out, or infinity.
 pub(super) fn certify(
     arm: &Srs,
     elbows: &[Bent],
@@ -418,7 +445,8 @@ pub(super) fn certify(
     centre: &[f64; JOINTS],
     choice: Choice,
     best: &mut Best,
-) {
+) -> f64 {
+    let hunt = &mut Hunt { best, tolerance: TOLERANCE, pieces: 0 };
     let weight = |j: usize| Weight::of(choice, limits[j], arm.offset(j), centre[j]);
     let costs = Costs { weights: std::array::from_fn(weight), choice };
     let joints = |first: usize| [0, 1, 2].map(|j| (limits[first + j], arm.offset(first + j)));
@@ -430,10 +458,14 @@ pub(super) fn certify(
         let q = bent.fourth + arm.offset(3);
         let off = costs.weights[3].least(Range { low: q, high: q }).0;
         let fourth = costs.add(0.0, off);
-        if fourth >= best.cost - TOLERANCE {
+        if fourth >= hunt.wanted() {
             continue;
         }
-        let wheels = [Wheel::new(bent.shoulder), Wheel::new(bent.wrist)];
+        let wheels = wheels(bent);
+        if wheels.iter().any(Wheel::is_in_line) {
+            hunt.tolerance = f64::INFINITY;
+            break;
+        }
         cuts.clear();
         wheels[0].cuts(&mut cuts);
         wheels[1].cuts(&mut cuts);
@@ -450,20 +482,20 @@ pub(super) fn certify(
             let ends = [&piece[0], &piece[1]];
             let least = |triple: usize, side: f64| {
                 let ends = ends.map(|end| &end.1[triple]);
-                let turns = sign(ends[0], ends[1]);
-                costs.least(&wheels[triple], (triple, side), ends, turns).0
+                costs.least((triple, side), ends).0
             };
             let lasts = [1.0, -1.0].map(|side| (side, least(1, side)));
             for side in [1.0, -1.0] {
                 let first = costs.together(fourth, least(0, side));
                 for (other, last) in lasts {
-                    if costs.together(first, last) < best.cost - TOLERANCE {
+                    if costs.together(first, last) < hunt.wanted() {
                         let sides = [side, other];
                         let branch = Branch { wheels: &wheels, sides, costs: &costs, fourth };
-                        branch.search(ends, best, &mut open);
+                        branch.search(ends, hunt, &mut open);
                     }
                 }
             }
         }
     }
+    hunt.tolerance
 }

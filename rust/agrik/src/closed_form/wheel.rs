@@ -35,26 +35,56 @@ impl Range {
         let low = if self.low <= 0.0 && self.high >= 0.0 { 0.0 } else { a.min(b) };
         Self { low, high: a.max(b) }
     }
+    /// Wider by so much on both sides.
+    pub fn wider(self, by: f64) -> Self {
+        Self { low: self.low - by, high: self.high + by }
+    }
     /// The inverse of positive numbers.
     pub fn inverse(self) -> Self {
         Self { low: 1.0 / self.high, high: 1.0 / self.low }
     }
 }
 
+/// Below this `1 - c^2` nothing is known of rates: the angles are noise.
+const IN_LINE: f64 = 1e-14;
+/// What rounding may do to the entries of a rotation.
+const ROUNDING: f64 = 1e-15;
+
 /// Three joints whose axes meet at right angles, as functions of the arm angle.
 pub struct Wheel {
     parts: Parts,
     a: f64,
     p: f64,
-    /// Amplitude of `c`, squared.
-    s2: f64,
+    /// Amplitude of `c`.
+    size: f64,
 }
 
-/// A triple at one arm angle: `c`, and the turns for the first side of `t2`.
+/// A triple at one arm angle.
 #[derive(Debug, Clone, Copy)]
 pub struct Spoke {
     pub c: f64,
+    /// Derivative of `c`.
+    slope: f64,
+    /// `1 - c^2`, which the difference would not give exactly where it is small.
+    d: f64,
+    /// Rates of `t1` and `t3` times `d`; linear in `c`.
+    n: [f64; 2],
+    /// Turns for the first side of `t2`.
     pub turns: [f64; 3],
+}
+
+impl Spoke {
+    /// Rates of the three turns on the first side.
+    pub fn rates(&self) -> [f64; 3] {
+        let d = self.d.max(f64::MIN_POSITIVE);
+        [self.n[0] / d, self.slope / d.sqrt(), self.n[1] / d]
+    }
+
+    /// Which way `t1`, `t2` and `t3` turn from here on to another spoke, if none turns back
+    /// on the way.
+    pub fn ways(&self, to: &Self) -> [f64; 3] {
+        [self.n[0] + to.n[0], self.slope + to.slope, self.n[1] + to.n[1]]
+    }
 }
 
 impl Wheel {
@@ -65,69 +95,89 @@ impl Wheel {
         let dot = |x: [f64; 3], y: [f64; 3]| x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
         let w = [dot(row(2, 2), at(1)), dot(row(2, 0), at(2)), dot(row(2, 1), at(0))];
         let (a, p) = (w[2], dot(w, parts[0][2]));
-        let s2 = ((1.0 - a * a) * (1.0 - p * p)).max(0.0);
-        Self { parts, a, p, s2 }
+        Self { parts, a, p, size: hypotenuse(parts[1][2][2], parts[2][2][2]) }
+    }
+
+    /// The arm angle at which `c` is greatest; half a turn on it is least.
+    fn top(&self) -> f64 {
+        self.parts[2][2][2].atan2(self.parts[1][2][2])
+    }
+
+    /// First and last axis are in line at some arm angle.
+    pub fn comes_in_line(&self) -> bool {
+        let (s, c) = self.top().sin_cos();
+        self.at(s, c).d < IN_LINE || self.at(-s, -c).d < IN_LINE
+    }
+
+    /// First and last axis are in line at every arm angle.
+    pub fn is_in_line(&self) -> bool {
+        [(0.0, 1.0), (0.0, -1.0), (1.0, 0.0)].into_iter().all(|(s, c)| self.at(s, c).d < IN_LINE)
     }
 
     pub fn at(&self, s: f64, c: f64) -> Spoke {
-        let m = |k: usize, i: usize| {
-            self.parts[0][k][i] + c * self.parts[1][k][i] + s * self.parts[2][k][i]
-        };
-        let (x, y, z) = (m(2, 0), m(2, 1), m(2, 2));
-        let across = (x * x + y * y).sqrt();
-        let [first, second, third] = atan2_each([y, across, m(1, 2)], [x, -z, m(0, 2)]);
-        Spoke { c: z, turns: [first, second, -third] }
+        let [constant, cosine, sine] = &self.parts;
+        let m = |k: usize, i: usize| constant[k][i] + c * cosine[k][i] + s * sine[k][i];
+        let rate = |k: usize, i: usize| c * sine[k][i] - s * cosine[k][i];
+        let (x, y, u, v) = (m(2, 0), m(2, 1), m(0, 2), m(1, 2));
+        let z = m(2, 2);
+        let d = x * x + y * y;
+        let [first, second, third] = atan2_each([y, d.sqrt(), v], [x, -z, u]);
+        Spoke {
+            c: z,
+            slope: rate(2, 2),
+            d,
+            n: [x * rate(2, 1) - y * rate(2, 0), v * rate(0, 2) - u * rate(1, 2)],
+            turns: [first, second, -third],
+        }
     }
 
     /// Where `c` turns back, and where `t1` or `t3` does.
     pub fn cuts(&self, out: &mut Vec<f64>) {
-        let [k0, k1, k2] = [0, 1, 2].map(|p| self.parts[p][2][2]);
-        let (top, size) = (k2.atan2(k1), hypotenuse(k1, k2));
-        out.extend([wrap(top), wrap(top + PI)]);
-        for (n, d) in [(self.a, self.p), (self.p, self.a)] {
-            let share = (n / d - k0) / size;
+        out.extend([wrap(self.top()), wrap(self.top() + PI)]);
+        // A rate's numerator is a constant, a cosine and a sine part as well.
+        let [east, north, west, south] =
+            [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)].map(|(s, c)| self.at(s, c).n);
+        for i in 0..2 {
+            let (x, y) = (east[i] - west[i], north[i] - south[i]);
+            let share = -(east[i] + west[i]) / hypotenuse(x, y);
             if share.abs() < 1.0 {
-                let half = share.acos();
+                let (top, half) = (y.atan2(x), share.acos());
                 out.extend([wrap(top + half), wrap(top - half)]);
             }
         }
     }
 
-    /// Rates of the three turns, for `c` and the sign of `c'`, on the first side.
-    pub fn rates(&self, c: f64, sign: f64) -> [f64; 3] {
-        let d = ((1.0 - c) * (1.0 + c)).max(f64::MIN_POSITIVE);
-        let off = c - self.a * self.p;
-        let slope = sign * (self.s2 - off * off).max(0.0).sqrt();
-        [(self.a - self.p * c) / d, slope / d.sqrt(), (self.p - self.a * c) / d]
-    }
-
-    /// Ranges of the rates and of their derivatives over a range of `c`.
-    pub fn rate_ranges(&self, c: Range, sign: f64) -> Option<([Range; 3], [Range; 3])> {
-        let (a, p) = (self.a, self.p);
-        let d = Range { low: 1.0 - c.square().high, high: 1.0 - c.square().low };
-        if d.low < 1e-9 {
+    /// Ranges of the rates and of their derivatives between two spokes between which none
+    /// turns back.
+    pub fn rate_ranges(&self, from: &Spoke, to: &Spoke) -> Option<([Range; 3], [Range; 3])> {
+        let c = Range::of(from.c, to.c);
+        let mut d = Range::of(from.d, to.d);
+        if d.low < IN_LINE {
             return None;
         }
-        let over = d.inverse();
-        let linear = |x: f64, y: f64| Range::of(x - y * c.low, x - y * c.high);
-        let off = Range { low: c.low - a * p, high: c.high - a * p }.square();
-        let steep = Range {
-            low: (self.s2 - off.high).max(0.0).sqrt(),
-            high: (self.s2 - off.low).max(0.0).sqrt(),
+        if c.low < 0.0 && c.high > 0.0 {
+            d.high = 1.0;
         }
-        .by(sign);
-        let root = Range { low: d.low.sqrt(), high: d.high.sqrt() }.inverse();
-        let rates = [linear(a, p).times(over), steep.times(root), linear(p, a).times(over)];
-        // d/dc of (a - p c) / (1 - c^2) is (2 a c - p (1 + c^2)) / (1 - c^2)^2.
-        let over2 = over.square();
-        let bend = |a: f64, p: f64| {
-            let one = Range { low: 1.0 + c.square().low, high: 1.0 + c.square().high };
-            let n = Range::of(2.0 * a * c.low, 2.0 * a * c.high).plus(one.by(-p));
-            n.times(over2).times(steep)
+        let over = d.inverse();
+        let root = Range { low: over.low.sqrt(), high: over.high.sqrt() };
+        let off = [from, to].map(|spoke| self.parts[0][2][2] - spoke.c);
+        // The derivative of c is steepest where c is in the middle of its range.
+        let mut steep = Range::of(from.slope.abs(), to.slope.abs());
+        if off[0] * off[1] < 0.0 {
+            steep.high = self.size;
+        }
+        let steep = steep.by(if from.slope + to.slope >= 0.0 { 1.0 } else { -1.0 });
+        let noise = ROUNDING * root.high;
+        let [first, third] = [0, 1].map(|i| Range::of(from.n[i], to.n[i]).times(over).wider(noise));
+        let second = steep.times(root).wider(noise);
+        // d/dpsi of n / d, where d/dpsi of n1 is -p c' and of d is -2 c c'.
+        let bend = |rate: Range, axis: f64| {
+            let n = c.times(rate).by(2.0).plus(Range { low: -axis, high: -axis });
+            n.times(steep).times(over).wider(ROUNDING * over.high)
         };
-        let back = Range { low: a * p - c.high, high: a * p - c.low };
-        let second = back.times(root).plus(c.times(steep.square()).times(root).times(over));
-        Some((rates, [bend(a, p), second, bend(p, a)]))
+        let back = Range::of(off[0], off[1]).plus(c.times(second.square())).times(root);
+        let bends = [bend(first, self.p), back.wider(ROUNDING * over.high), bend(third, self.a)];
+        Some(([first, second, third], bends))
     }
 }
 

@@ -96,16 +96,16 @@ pub fn dispatch<K: Kernel>(level: Level, kernel: K) -> K::Output {
         #[cfg(target_arch = "x86_64")]
         Level::Avx512 if level.is_available() => {
             // SAFETY: the processor has the features of `with_avx512`, just asked.
-            unsafe { with_avx512(kernel) }
+            unsafe { kernel.with_avx512() }
         }
         #[cfg(target_arch = "x86_64")]
         Level::Avx2 if level.is_available() => {
             // SAFETY: the processor has the features of `with_avx2`, just asked.
-            unsafe { with_avx2(kernel) }
+            unsafe { kernel.with_avx2() }
         }
         #[cfg(target_arch = "aarch64")]
         Level::Neon => kernel.run::<super::neon::F64x4>(),
-        _ => plain(kernel),
+        _ => kernel.plain(),
     }
 }
 
@@ -116,34 +116,62 @@ pub fn dispatch_single<K: Kernel>(level: Level, kernel: K) -> K::Output {
         #[cfg(target_arch = "x86_64")]
         Level::Avx2 | Level::Avx512 if level.is_available() => {
             // SAFETY: both levels ask for the features of `with_fma`.
-            unsafe { with_fma(kernel) }
+            unsafe { kernel.with_fma() }
         }
         #[cfg(target_arch = "aarch64")]
         Level::Neon => kernel.run::<Fused>(),
-        _ => plain(kernel),
+        _ => kernel.plain(),
     }
 }
 
-/// One copy for both dispatches.
-#[inline(never)]
-fn plain<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<f64>()
+/// The functions that a kernel is compiled into, one for each set of instructions.
+///
+/// They are methods of the kernel, not functions that take one, because the compiler puts
+/// methods with their type: kernels of different modules are then compiled side by side.
+trait Entries: Kernel {
+    /// One copy for both dispatches.
+    fn plain(self) -> Self::Output;
+
+    /// # Safety
+    ///
+    /// The processor has the features named where this is implemented.
+    #[cfg(target_arch = "x86_64")]
+    unsafe fn with_fma(self) -> Self::Output;
+
+    /// # Safety
+    ///
+    /// As above.
+    #[cfg(target_arch = "x86_64")]
+    unsafe fn with_avx2(self) -> Self::Output;
+
+    /// # Safety
+    ///
+    /// As above.
+    #[cfg(target_arch = "x86_64")]
+    unsafe fn with_avx512(self) -> Self::Output;
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn with_fma<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<Fused>()
-}
+impl<K: Kernel> Entries for K {
+    #[inline(never)]
+    fn plain(self) -> Self::Output {
+        self.run::<f64>()
+    }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-fn with_avx512<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<super::x86::F64x8>()
-}
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    unsafe fn with_fma(self) -> Self::Output {
+        self.run::<Fused>()
+    }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn with_avx2<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<super::x86::F64x4>()
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    unsafe fn with_avx2(self) -> Self::Output {
+        self.run::<super::x86::F64x4>()
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+    unsafe fn with_avx512(self) -> Self::Output {
+        self.run::<super::x86::F64x8>()
+    }
 }
