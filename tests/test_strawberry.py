@@ -338,10 +338,66 @@ def test_bad_arguments() -> None:
     for wrong in ({"l2": 0.0}, {"friction": -1.0}, {"lower": [0] * 4}, {"d": [0, 0, np.inf]}):
         with pytest.raises(ArgumentError):
             StrawberryArm(**wrong)
+    for wrong in ({"mass2": "1"}, {"friction": True}, {"l3": np.nan}, {"gravity": [9.81]}):
+        with pytest.raises(ArgumentError, match=f"`{next(iter(wrong))}`"):
+            StrawberryArm(**wrong)
+    # Rules are checked for all methods, those that have no use for them too.
+    for method in ("exact", "as", "ssas", "ncos"):
+        for wrong in ({"s10_share": np.nan}, {"theta_step": "0"}, {"theta_rule": None}):
+            with pytest.raises((ArgumentError, UnknownNameError)):
+                ARM.solve(TARGETS[:1], method, **wrong)
+    q = ARM.solve(TARGETS[0]).q
+    for call in (
+        lambda: ARM.s10_set([np.nan, 0, 0]),
+        lambda: ARM.theta_sets([np.nan, 0, 0], 0.1),
+        lambda: ARM.theta_sets(TARGETS[0], np.nan),
+        lambda: ARM.slopes(np.nan, 0.1),
+        lambda: ARM.slopes(0.1, "0.1"),
+        lambda: ARM.commands(q, psi="0"),
+        lambda: ARM.commands(q, h_extra=None),
+        lambda: ARM.suggest_base_shift(TARGETS, 3),
+    ):
+        with pytest.raises(ArgumentError):
+            call()
+    with pytest.raises(UnknownNameError, match="s32"):
+        ARM.slopes(0.1, 0.1, 3)
     # Without friction the proof of the exact minimum does not hold, and it says so.
     with pytest.raises(ArgumentError, match="friction"):
         StrawberryArm(friction=0.1).solve(TARGETS)
-    assert StrawberryArm(friction=0.1).solve(TARGETS, "as").success.all()
+    slippery = StrawberryArm(friction=0.1)
+    assert slippery.solve(TARGETS, "as").success.all()
+    # The baseline needs no proof, and no target beyond reach stops it.
+    ncos = slippery.solve([TARGETS[0], [0.4, 1.2, -0.3]], "ncos")
+    assert ncos.success.tolist() == [True, False]
+    assert ncos.place.tolist() == [Place.REACHED, Place.S10]
+
+
+def test_poses_without_derivatives_are_refused() -> None:
+    assert all(
+        np.isfinite(list(ARM.slopes(0.3, 0.5, case).values())).all()
+        for case in ("fixed", "s21", "s32")
+    )
+    # (26) divides by cos(beta), (27) by cos(theta), (28) by sin(theta).
+    for theta, beta, case in (
+        (0.1, np.pi / 2, "fixed"),
+        (np.pi / 2, 0.5, "s21"),
+        (0.0, 0.5, "s32"),
+    ):
+        with pytest.raises(ArgumentError, match="derivatives"):
+            ARM.slopes(theta, beta, case)
+
+
+@pytest.mark.parametrize("method", ["exact", "as", "ssas", "ncos"])
+def test_failed_rows_hold_the_reset_pose_and_how_far_it_is_off(method: str) -> None:
+    targets = np.array([[0.4, 1.2, -0.3], [np.nan, 0, 0], TARGETS[0]])
+    res = ARM.solve(targets, method)
+    assert (res.q[:2] == ARM.reset_pose).all()
+    off = np.linalg.norm(ARM.fk(ARM.reset_pose) - targets[0])
+    assert res.position_error[0] == pytest.approx(off, rel=1e-14)
+    assert res.position_error[1] == res.orientation_error[1] == np.inf
+    assert res.orientation_error[[0, 2]].tolist() == [0, 0]
+    assert res.position_error[2] < 1e-8
+    assert res.iterations.tolist() == res.restarts.tolist() == [0, 0, 0]
 
 
 def test_theta_of_least_magnitude_is_that_of_the_sets() -> None:

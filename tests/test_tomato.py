@@ -13,6 +13,7 @@ from agrik_fast import ArgumentError, Status, UnknownNameError
 from agrik_fast.closed_form import (
     Load,
     Outcome,
+    Servo,
     TomatoArm,
     TransposeStepWarning,
     holding_torques,
@@ -246,3 +247,51 @@ def test_bad_arguments() -> None:
         FREE.iterate([0.2, 0, 0], "transpose", alpha=-1.0)
     with pytest.raises(UnknownNameError):
         FREE.iterate([0.2, 0, 0], "newton")
+    for call in (
+        lambda: TomatoArm("0.16"),
+        lambda: FREE.solve([0.2, 0, 0], current=[np.nan, 0, 0]),
+        lambda: FREE.solve([0.2, 0, 0], follow="no"),
+        lambda: FREE.branches([0, 0, 0.2], pan=np.nan),
+        lambda: FREE.branches([0, 0, 0.2], pan="0"),
+        # Also where the method has no use for them.
+        lambda: FREE.iterate([0.2, 0, 0], "inverse", alpha=-1.0),
+        lambda: FREE.iterate([0.2, 0, 0], "inverse", damping=0.0),
+    ):
+        with pytest.raises(ArgumentError):
+            call()
+    targets = np.tile([0.2, 0.0, 0.1], (3, 1))
+    with pytest.raises(ArgumentError, match=r"^`q0`: .*broadcasts to \(3, 3\), got shape \(2, 3\)"):
+        FREE.iterate(targets, "inverse", q0=[[1.0, -1.0, 0.0]] * 2)
+    starts = np.array([[1.0, -1.0, 0.0], [1.2, -1.7, 0.1], [0.9, -1.4, -0.2]])
+    each = FREE.iterate(targets, "inverse", q0=starts, gain=0.2)
+    for start, count in zip(starts, each.iterations, strict=True):
+        assert FREE.iterate(targets[0], "inverse", q0=start, gain=0.2).iterations == count
+
+
+def test_bad_torques() -> None:
+    servo = {"name": "x", "torque": 0.3, "mass": 0.04, "speed": 5.0, "source": ""}
+    for call in (
+        lambda: Servo(**{**servo, "torque": -0.3}),
+        lambda: Servo(**{**servo, "speed": np.nan}),
+        lambda: Load(link2=-0.1),
+        lambda: Load(balance1=np.nan),
+        lambda: holding_torques(gravity=np.nan),
+        lambda: holding_torques(gravity=-9.8),
+        lambda: holding_torques(phi1="0"),
+        lambda: holding_torques(load={"link1": 0.1}),
+        lambda: holding_torques(elbow="HS-311"),
+        lambda: holding_torques(safety_factor=0),
+    ):
+        with pytest.raises(ArgumentError):
+            call()
+
+
+def test_failed_rows_hold_the_present_pose_and_how_far_it_is_off() -> None:
+    current = (1.0, -1.5, 0.3)
+    targets = np.array([[9.0, 0, 0], [0.05, 0, -0.3], [np.nan, 0, 0], [0.2, 0, 0.1]])
+    res = SERVOS.solve(targets, current=current)
+    off = np.linalg.norm(SERVOS.fk(current) - targets[:2], axis=1)
+    np.testing.assert_allclose(res.position_error[:2], off, rtol=1e-14)
+    assert res.position_error[2] == res.orientation_error[2] == np.inf
+    assert res.orientation_error[[0, 1, 3]].tolist() == [0, 0, 0]
+    assert res.position_error[3] < 1e-14

@@ -18,7 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Literal, TypeAlias
 
-from ._checks import real_number, whole_number
+from ._checks import real_number, truth_value, whole_number
 from ._feedback import (
     STARTS,
     Broyden,
@@ -346,6 +346,7 @@ class ClosedForm:
         if self.arm_angle is not None:
             angle = real_number("ClosedForm.arm_angle", self.arm_angle, unit="rad")
             object.__setattr__(self, "arm_angle", angle)
+        object.__setattr__(self, "certify", truth_value("ClosedForm.certify", self.certify))
 
 
 Solver: TypeAlias = (

@@ -19,7 +19,7 @@ import numpy as np
 
 from .._checks import FloatArray
 from ..closed_form import Load, Servo, TomatoArm, TransposeStepWarning, holding_torques
-from ..closed_form.tomato import HD_6001HB, HS_311
+from ..closed_form.torques import HD_6001HB, HS_311
 from ._output import best_seconds, figure, save, write_csv, write_text
 
 __all__ = [
