@@ -250,6 +250,17 @@ def test_gap_names_slide_and_travel() -> None:
             assert float(res.gap) == pytest.approx(expected, abs=1e-12)
 
 
+def test_gap_of_two_slides_together_is_the_smallest_shift_in_their_plane() -> None:
+    low, high = ARM.target_box
+    random = np.random.default_rng(0)
+    targets = low - 0.05 + random.random((5000, 3)) * (high - low + 0.1)
+    res = ARM.solve(targets)
+    both = res.place == Place.THETA
+    assert both.sum() > 40
+    shifts = ARM.suggest_base_shift(targets[both], "xz")
+    np.testing.assert_allclose(res.gap[both], np.linalg.norm(shifts, axis=1), rtol=0, atol=2e-8)
+
+
 @pytest.mark.parametrize("axes", ["xyz", "xy"])
 def test_base_shift_brings_targets_in_reach(axes: str) -> None:
     low, high = ARM.target_box

@@ -322,10 +322,9 @@ class ClosedForm:
         `choose`, out of all that the limits allow.
     certify : bool, default False
         Prove that no other arm angle of an S-R-S arm is better by more than 1e-9 in the
-        cost (rad^2, or shares), see the page on closed forms. Takes four to ten times as
-        long as the default, the best of a quick look round. Nothing to prove with
-        `arm_angle`, for other arms, or where axes of shoulder or wrist meet at another than
-        a right angle.
+        cost (rad^2, or shares), see the page on closed forms. Takes many times as long as
+        the default, the best of a quick look round. Nothing to prove with `arm_angle`, for
+        other arms, or where axes of shoulder or wrist meet at another than a right angle.
 
     Raises
     ------
