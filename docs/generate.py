@@ -46,8 +46,62 @@ def draw_arm_angles(file: Path) -> None:
                 axis.barh(branch, high - low, left=left, height=0.6, color="#2a7f62")
     axis.set_xlim(-180, 180)
     axis.set_xticks(range(-180, 181, 60))
+    axis.set_yticks(range(8))
     axis.set_xlabel("arm angle [degrees]")
     axis.set_ylabel("branch")
+    figure.savefig(file, metadata={"Date": None})
+    plt.close(figure)
+
+
+def draw_branches(file: Path) -> None:
+    """Draw all branches of a pose of the PUMA 560, and one of redundant7 by arm angle."""
+    figure = plt.figure(figsize=(10, 5.4))
+    puma = ik.Robot.load("puma560")
+    pose = puma.fk([0.4, 0.9, -0.6, 0.5, 0.7, 0.2])
+    found = puma.ik_all(pose)
+    wrists = figure.add_subplot(1, 2, 1, projection="3d")
+    names = ("first", "second", "third", "fourth")
+    for number, name in enumerate(names):
+        # Branches that differ in the wrist alone have their links in the same places.
+        pair = slice(2 * number, 2 * number + 2)
+        points = puma.fk_links(found.q[2 * number])[:, :3, 3]
+        style = "-" if found.valid[pair].any() else ":"
+        label = f"{name} pair" + ("" if style == "-" else ", out of limits")
+        wrists.plot(*points.T, style, marker="o", markersize=4, linewidth=2.5, label=label)
+    wrists.plot(*pose[:3, 3], "*", color="#d01c1c", markersize=11, label="tool point")
+    wrists.set_title("puma560: 8 branches, 4 arms with 2 wrists each", fontsize=10)
+
+    arm = ik.Robot.load("redundant7")
+    q = np.array([0.4, 0.7, 0.2, 1.5, 0.3, 0.6, 0.1])
+    pose = arm.fk(q)
+    angles = np.radians(np.arange(-180, 180, 5))
+    turned = arm.ik_all(np.broadcast_to(pose, (len(angles), 4, 4)), arm_angle=angles)
+    links = arm.fk_links(turned.q[:, 0])[..., :3, 3]
+    circle = figure.add_subplot(1, 2, 2, projection="3d")
+    for row in range(0, len(angles), 6):
+        inside = turned.valid[row, 0]
+        color, style = ("#2a7f62", "-") if inside else ("#bbbbbb", ":")
+        circle.plot(*links[row].T, style, color=color, linewidth=1.5)
+    at_zero = links[len(angles) // 2]
+    circle.plot(*at_zero.T, color="#c0532b", linewidth=3, label="arm angle 0")
+    # The elbow is the link that goes furthest round.
+    elbow = int(np.ptp(links, axis=0).sum(axis=-1).argmax())
+    ring = np.concatenate([links[:, elbow], links[:1, elbow]])
+    circle.plot(*ring.T, color="#3b5ba5", linewidth=1, label="way of the elbow")
+    circle.plot([], [], color="#2a7f62", label="every 30°, within limits")
+    circle.plot([], [], ":", color="#bbbbbb", label="out of limits")
+    circle.plot(*pose[:3, 3], "*", color="#d01c1c", markersize=11, label="tool point")
+    circle.set_title("redundant7: one branch of one pose, by arm angle", fontsize=10)
+    for axis in (wrists, circle):
+        axis.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.02), ncols=3)
+        axis.set_aspect("equal", adjustable="datalim")
+        axis.set_box_aspect((1, 1, 1), zoom=0.9)
+        axis.locator_params(nbins=4)
+        axis.tick_params(labelsize=7)
+        axis.set_xlabel("x [m]", fontsize=8)
+        axis.set_ylabel("y [m]", fontsize=8)
+        axis.set_zlabel("z [m]", fontsize=8)
+    figure.subplots_adjust(left=0.01, right=0.96, bottom=0.13, top=0.93, wspace=0.05)
     figure.savefig(file, metadata={"Date": None})
     plt.close(figure)
 
@@ -75,6 +129,7 @@ def main(folder: Path) -> None:
     folder.mkdir(exist_ok=True)
     draw_reach(folder / "reach.svg")
     draw_arm_angles(folder / "arm_angles.svg")
+    draw_branches(folder / "branches.svg")
     strawberry.reproduce(folder / "papers" / "strawberry")
     tomato.reproduce(folder / "papers" / "tomato")
     redundant7.reproduce(folder / "papers" / "redundant7", repeats=200)

@@ -266,24 +266,57 @@ def test_every_whole_turn_within_the_limits_counts(arm_of):
     assert np.abs(near_start.q - q).max() < 1e-9
 
 
-def test_a_tool_for_one_call(arm_of):
-    tool = np.eye(4)
+def test_a_tool_for_one_call_is_behind_the_robots_own(arm_of):
+    own, tool = np.eye(4), np.eye(4)
+    own[:3, :3] = _axis_rotation(2, -0.7)
+    own[:3, 3] = 0.05, 0.02, 0.1
     tool[:3, :3] = _axis_rotation(1, 0.4)
     tool[:3, 3] = 0.1, -0.2, 0.3
     for name in ("kr16", "iiwa14"):
-        arm = arm_of(name)
+        arm = arm_of(name).with_tool(own)
         q = arm.random_q(100, seed=8)
-        other = arm.with_tool(arm_tool(arm, tool))
+        other = arm.with_tool(own @ tool)
         targets = other.fk(q)
         found = arm.ik_all(targets, tool=tool)
         assert (found.valid.sum(axis=1) > 0).mean() > 0.5
         assert_branches_reach(other, targets, found.q, found.reached)
+        best = arm.ik(targets, tool=tool, solver="closed_form")
+        assert best.success.all()
+        assert np.abs(other.fk(best.q) - targets).max() < ROTATION
+    pairs = zip(
+        arm.arm_angle_intervals(targets[0], tool=tool),
+        other.arm_angle_intervals(targets[0]),
+        strict=True,
+    )
+    assert all(np.abs(one - two).max(initial=0.0) < 1e-9 for one, two in pairs)
 
 
-def arm_tool(arm: Robot, tool: np.ndarray) -> np.ndarray:
-    """Return the tool that `with_tool` needs for the same tool frame as `tool=` of a call."""
-    before = np.eye(4) if arm._definition.tool is None else arm._definition.tool
-    return before @ tool
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_recognition_is_scaled_by_the_reach(arm_of, size):
+    """Rounding in a file hides no wrist, at any size of arm; a calibrated arm is refused."""
+    for name, family, steps in (("puma560", "spherical wrist", 4), ("redundant7", "S-R-S", 5)):
+        arm = arm_of(name)
+        rows = np.array([[row.a, row.alpha, row.d, row.theta] for row in arm.dh])
+        rows[:, [0, 2]] *= size
+        reach = size * arm.reach_radius
+        limits = np.stack([arm.lower, arm.upper], axis=1)
+        assert Robot.from_dh(rows, limits=limits).closed_form == family
+        rounded = rows.copy()
+        rounded[steps, 0] += 1e-7 * reach
+        rounded[1, 1] += 1e-7
+        close = Robot.from_dh(rounded, limits=limits)
+        assert close.closed_form == family
+        # Answers are for the arm as given: within its tolerances, not its recognition's.
+        targets = close.fk(close.random_q(200, seed=1))
+        result = close.ik(
+            targets,
+            solver="closed_form",
+            position_tolerance=1e-5 * size,
+            orientation_tolerance=1e-5,
+        )
+        assert result.success.all()
+        rows[steps, 0] += 1e-5 * reach
+        assert Robot.from_dh(rows, limits=limits).closed_form is None
 
 
 def test_bad_input_is_a_status_and_bad_arguments_raise(load_robot):
@@ -308,6 +341,12 @@ def test_bad_input_is_a_status_and_bad_arguments_raise(load_robot):
         solvers.ClosedForm(choose="best")  # type: ignore[arg-type]
     with pytest.raises(ArgumentError, match=r"ClosedForm.arm_angle"):
         solvers.ClosedForm(arm_angle=float("inf"))
+    with pytest.raises(ArgumentError, match=r"ClosedForm.certify"):
+        solvers.ClosedForm(certify="yes")  # type: ignore[arg-type]
+    srs = load_robot("redundant7")
+    for wrong in ("a", [0.1], True, 1j):
+        with pytest.raises(ArgumentError, match="arm_angle"):
+            srs.ik_all(np.eye(4), arm_angle=wrong)
 
 
 @pytest.mark.parametrize(

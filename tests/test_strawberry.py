@@ -111,10 +111,12 @@ def test_energy_misprints() -> None:
     used = weight * (s32 - 61) - lift2 - p["mass3"] * p["gravity"] * 30 * bend
     np.testing.assert_allclose(friction + used, 1000 * res.energy, atol=1e-9)
     # PE_f - PE_in instead of its negative: off by twice the potential part.
-    assert np.abs(friction - used - published).min() > 1000
+    off = np.abs(friction - used - published)
+    assert (off.min(), off.max()) == pytest.approx((1838, 4447), abs=1)
     # The bracket as printed divides by 2 (1 - cos cos), with l2.
     printed = weight * (s32 - 61) - lift2 - p["mass3"] * p["gravity"] * 102 / (2 * bend)
-    assert np.abs(friction + printed - published).min() > 100
+    off = np.abs(friction + printed - published)
+    np.testing.assert_allclose(off, 1257.56, atol=0.06)
 
 
 def test_printed_signs_of_the_forward_kinematics() -> None:
@@ -135,7 +137,8 @@ def test_slopes_match_finite_differences_and_the_printed_ones_do_not() -> None:
     target = ARM.fk(q)
     h = 1e-6
 
-    def energy(s10: float, case: str) -> float:
+    def along(s10: float, case: str) -> np.ndarray:
+        """Beta, theta, friction (J) and all other energy (J) at an s10."""
         beta = np.arcsin((target[1] - s10 - l1 + d[1]) / l3)
         r, r0 = l2 + l3 * np.cos(beta), l2 + l3 * np.cos(q[4])
         theta = {
@@ -145,17 +148,24 @@ def test_slopes_match_finite_differences_and_the_printed_ones_do_not() -> None:
         }[case]
         s21 = target[0] - d[0] + r * np.sin(theta)
         s32 = -target[2] + d[2] - r * np.cos(theta)
-        return float(ARM.energy([s10, s21, s32, theta, beta]))
+        friction = p["friction"] * (s10 + s21 + s32)
+        whole = float(ARM.energy([s10, s21, s32, theta, beta]))
+        return np.array([beta, theta, friction, whole - friction])
 
     for case in ("fixed", "s21", "s32"):
         slopes = ARM.slopes(q[3], q[4], case)
-        difference = (energy(q[0] + h, case) - energy(q[0] - h, case)) / (2 * h)
-        assert slopes["friction_by_s10"] + slopes["potential_by_s10"] == pytest.approx(
-            difference, abs=1e-6
-        )
-    # (26) as printed has l2 for l1.
-    printed = -1 / np.sqrt(l3**2 - (target[1] - q[0] - l2 + d[1]) ** 2)
-    assert abs(printed / ARM.slopes(q[3], q[4])["beta_by_s10"] - 1) > 0.01
+        beta, theta, friction, rest = (along(q[0] + h, case) - along(q[0] - h, case)) / (2 * h)
+        # (26), (27) and (28), (25), (24), each by itself.
+        assert slopes["beta_by_s10"] == pytest.approx(beta, rel=1e-8)
+        assert slopes["theta_by_beta"] == pytest.approx(theta / beta, abs=1e-7)
+        assert slopes["friction_by_s10"] == pytest.approx(friction, abs=1e-6)
+        assert slopes["potential_by_s10"] == pytest.approx(rest, abs=1e-6)
+    # (26) as printed has l2 for l1: 4 to 9 % off at the targets of table 3.
+    off = []
+    for target, pose in zip(TARGETS, ARM.solve(TARGETS, "as").q, strict=True):
+        printed = -1 / np.sqrt(l3**2 - (target[1] - pose[0] - l2 + d[1]) ** 2)
+        off.append(abs(printed / ARM.slopes(*pose[3:])["beta_by_s10"] - 1))
+    assert (min(off), max(off)) == pytest.approx((0.04, 0.09), abs=0.01)
 
 
 def test_printed_conditions_cannot_hold() -> None:
@@ -167,11 +177,13 @@ def test_printed_conditions_cannot_hold() -> None:
     x, r = ARM.fk(q)[:, 0], l2 + l3 * np.cos(q[:, 4])
     low, high = ((limit[1] + d[0] - x) / r for limit in (ARM.lower, ARM.upper))
     assert ((np.abs(low) > 1) | (np.abs(high) > 1)).all()
-    assert (q[:, 3] < 0).mean() > 0.5  # what (15) loses without its other branch
+    # What (15) loses without its other branch.
+    assert (q[:, 3] < 0).mean() == pytest.approx(0.53, abs=0.01)
     # (24) has the sign of PE_f - PE_in: off by twice its size, in N.
     postures = ARM.solve(TARGETS, "as").q
     slopes = [ARM.slopes(*posture[3:])["potential_by_s10"] for posture in postures]
     assert 2 * np.abs(slopes).min() == pytest.approx(7.830, abs=1e-3)
+    assert 2 * np.abs(slopes).max() == pytest.approx(13.4, abs=0.05)
     # (30) wants the friction's derivative to vanish too: at the least energy it does not.
     best = ARM.solve(TARGETS).q
     friction = [abs(ARM.slopes(*posture[3:])["friction_by_s10"]) for posture in best]
@@ -179,7 +191,7 @@ def test_printed_conditions_cannot_hold() -> None:
     # (31), (32): beta with l2 for l1.
     sine = (TARGETS[:, 1] - postures[:, 0] - l2 + d[1]) / l3
     off = np.degrees(np.abs(np.arcsin(sine) - postures[:, 4]))
-    assert off.min() > 11
+    assert (off.min(), off.max()) == pytest.approx((11.7, 12.4), abs=0.1)
     # (34): the arcsine of (x - 80 mm - dx) / r at home, beyond 1 at all targets.
     assert ((TARGETS[:, 0] - ARM.lower[1] - d[0]) / (l2 + l3) > 2).all()
 
@@ -193,13 +205,21 @@ def test_box_corrections() -> None:
     assert ARM.fk(q)[0] == pytest.approx(high[0], abs=1e-15)
     short = p["l2"] + p["l3"] * np.cos(ARM.upper[4])
     printed_x_max = ARM.upper[1] + p["d"][0] - short * np.sin(ARM.lower[3])
-    assert ARM.fk(q)[0] - printed_x_max > 0.03
+    assert ARM.fk(q)[0] - printed_x_max == pytest.approx(0.0360, abs=1e-4)
     # z lowest: s32 drawn out, (9) has it drawn in.
     q = np.array([0.3, 0.5, ARM.upper[2], 0.0, 0.0])
     assert ARM.fk(q)[2] == pytest.approx(low[2], abs=1e-15)
     assert ARM.solve(ARM.fk(q)).success
     tips = ARM.fk(ik.Robot.load("strawberry").random_q(20_000, seed=1))
     assert (tips >= low).all() and (tips <= high).all()
+    # As printed: the slide's ends exchanged, 190 mm lost below and above.
+    cosine = min(np.cos(ARM.lower[3]), np.cos(ARM.upper[3]))
+    printed_low = -ARM.lower[2] + p["d"][2] - (p["l2"] + p["l3"])
+    printed_high = -ARM.upper[2] + p["d"][2] - short * cosine
+    assert printed_low - low[2] == pytest.approx(0.190, abs=1e-12)
+    assert high[2] - printed_high == pytest.approx(0.190, abs=1e-12)
+    assert (tips[:, 2] < printed_low).mean() == pytest.approx(0.81, abs=0.01)
+    assert (tips[:, 2] > printed_high).mean() == pytest.approx(0.67, abs=0.01)
 
 
 def test_theta_sets_hold_the_negative_branch() -> None:
@@ -228,6 +248,17 @@ def test_gap_names_slide_and_travel() -> None:
             # s32 grows downward.
             expected = 0.02 * sign * (-1 if axis == 2 else 1)
             assert float(res.gap) == pytest.approx(expected, abs=1e-12)
+
+
+def test_gap_of_two_slides_together_is_the_smallest_shift_in_their_plane() -> None:
+    low, high = ARM.target_box
+    random = np.random.default_rng(0)
+    targets = low - 0.05 + random.random((5000, 3)) * (high - low + 0.1)
+    res = ARM.solve(targets)
+    both = res.place == Place.THETA
+    assert both.sum() > 40
+    shifts = ARM.suggest_base_shift(targets[both], "xz")
+    np.testing.assert_allclose(res.gap[both], np.linalg.norm(shifts, axis=1), rtol=0, atol=2e-8)
 
 
 @pytest.mark.parametrize("axes", ["xyz", "xy"])
@@ -318,10 +349,66 @@ def test_bad_arguments() -> None:
     for wrong in ({"l2": 0.0}, {"friction": -1.0}, {"lower": [0] * 4}, {"d": [0, 0, np.inf]}):
         with pytest.raises(ArgumentError):
             StrawberryArm(**wrong)
+    for wrong in ({"mass2": "1"}, {"friction": True}, {"l3": np.nan}, {"gravity": [9.81]}):
+        with pytest.raises(ArgumentError, match=f"`{next(iter(wrong))}`"):
+            StrawberryArm(**wrong)
+    # Rules are checked for all methods, those that have no use for them too.
+    for method in ("exact", "as", "ssas", "ncos"):
+        for wrong in ({"s10_share": np.nan}, {"theta_step": "0"}, {"theta_rule": None}):
+            with pytest.raises((ArgumentError, UnknownNameError)):
+                ARM.solve(TARGETS[:1], method, **wrong)
+    q = ARM.solve(TARGETS[0]).q
+    for call in (
+        lambda: ARM.s10_set([np.nan, 0, 0]),
+        lambda: ARM.theta_sets([np.nan, 0, 0], 0.1),
+        lambda: ARM.theta_sets(TARGETS[0], np.nan),
+        lambda: ARM.slopes(np.nan, 0.1),
+        lambda: ARM.slopes(0.1, "0.1"),
+        lambda: ARM.commands(q, psi="0"),
+        lambda: ARM.commands(q, h_extra=None),
+        lambda: ARM.suggest_base_shift(TARGETS, 3),
+    ):
+        with pytest.raises(ArgumentError):
+            call()
+    with pytest.raises(UnknownNameError, match="s32"):
+        ARM.slopes(0.1, 0.1, 3)
     # Without friction the proof of the exact minimum does not hold, and it says so.
     with pytest.raises(ArgumentError, match="friction"):
         StrawberryArm(friction=0.1).solve(TARGETS)
-    assert StrawberryArm(friction=0.1).solve(TARGETS, "as").success.all()
+    slippery = StrawberryArm(friction=0.1)
+    assert slippery.solve(TARGETS, "as").success.all()
+    # The baseline needs no proof, and no target beyond reach stops it.
+    ncos = slippery.solve([TARGETS[0], [0.4, 1.2, -0.3]], "ncos")
+    assert ncos.success.tolist() == [True, False]
+    assert ncos.place.tolist() == [Place.REACHED, Place.S10]
+
+
+def test_poses_without_derivatives_are_refused() -> None:
+    assert all(
+        np.isfinite(list(ARM.slopes(0.3, 0.5, case).values())).all()
+        for case in ("fixed", "s21", "s32")
+    )
+    # (26) divides by cos(beta), (27) by cos(theta), (28) by sin(theta).
+    for theta, beta, case in (
+        (0.1, np.pi / 2, "fixed"),
+        (np.pi / 2, 0.5, "s21"),
+        (0.0, 0.5, "s32"),
+    ):
+        with pytest.raises(ArgumentError, match="derivatives"):
+            ARM.slopes(theta, beta, case)
+
+
+@pytest.mark.parametrize("method", ["exact", "as", "ssas", "ncos"])
+def test_failed_rows_hold_the_reset_pose_and_how_far_it_is_off(method: str) -> None:
+    targets = np.array([[0.4, 1.2, -0.3], [np.nan, 0, 0], TARGETS[0]])
+    res = ARM.solve(targets, method)
+    assert (res.q[:2] == ARM.reset_pose).all()
+    off = np.linalg.norm(ARM.fk(ARM.reset_pose) - targets[0])
+    assert res.position_error[0] == pytest.approx(off, rel=1e-14)
+    assert res.position_error[1] == res.orientation_error[1] == np.inf
+    assert res.orientation_error[[0, 2]].tolist() == [0, 0]
+    assert res.position_error[2] < 1e-8
+    assert res.iterations.tolist() == res.restarts.tolist() == [0, 0, 0]
 
 
 def test_theta_of_least_magnitude_is_that_of_the_sets() -> None:

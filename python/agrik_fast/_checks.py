@@ -62,6 +62,23 @@ def real_number(
     return number
 
 
+def truth_value(argument: str, value: object) -> bool:
+    """Return `value`, True or False and nothing that merely counts as one."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise ArgumentError(argument, repr(value), "True or False")
+    return bool(value)
+
+
+def finite_array(argument: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    """Return `value` as a float64 array of one shape, every number of it finite."""
+    array = float_array(argument, value)
+    if array.shape != shape:
+        raise ArgumentError(argument, f"shape {array.shape}", f"shape {shape}")
+    if not np.isfinite(array).all():
+        raise ArgumentError(argument, str(array.tolist()), "finite numbers")
+    return array
+
+
 def direction(argument: str, value: object) -> tuple[float, float, float]:
     """Return three numbers as a unit vector."""
     vector = float_array(argument, value)  # type: ignore[arg-type]

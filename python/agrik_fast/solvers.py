@@ -18,7 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Literal, TypeAlias
 
-from ._checks import real_number, whole_number
+from ._checks import real_number, truth_value, whole_number
 from ._feedback import (
     STARTS,
     Broyden,
@@ -322,10 +322,9 @@ class ClosedForm:
         `choose`, out of all that the limits allow.
     certify : bool, default False
         Prove that no other arm angle of an S-R-S arm is better by more than 1e-9 in the
-        cost (rad^2, or shares), see the page on closed forms. Takes four to ten times as
-        long as the default, the best of a quick look round. Nothing to prove with
-        `arm_angle`, for other arms, or where axes of shoulder or wrist meet at another than
-        a right angle.
+        cost (rad^2, or shares), see the page on closed forms. Takes many times as long as
+        the default, the best of a quick look round. Nothing to prove with `arm_angle`, for
+        other arms, or where axes of shoulder or wrist meet at another than a right angle.
 
     Raises
     ------
@@ -346,6 +345,7 @@ class ClosedForm:
         if self.arm_angle is not None:
             angle = real_number("ClosedForm.arm_angle", self.arm_angle, unit="rad")
             object.__setattr__(self, "arm_angle", angle)
+        object.__setattr__(self, "certify", truth_value("ClosedForm.certify", self.certify))
 
 
 Solver: TypeAlias = (

@@ -6,17 +6,14 @@ that reach a target; `TomatoArm` lists the four of the tomato pointing arm.
 
 from .strawberry import Command, Place, StrawberryArm, StrawberryResult
 from .tomato import (
-    Load,
     Outcome,
     PacedResult,
-    Servo,
     TomatoArm,
     TomatoBranches,
     TomatoResult,
-    Torques,
     TransposeStepWarning,
-    holding_torques,
 )
+from .torques import Load, Servo, Torques, holding_torques
 
 __all__ = [
     "Command",

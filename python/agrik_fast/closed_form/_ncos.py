@@ -61,12 +61,16 @@ def solve_all(arm: StrawberryArm, targets: ArrayLike) -> StrawberryResult:
         found = solve_one(arm, target)
         if found is not None:
             q[i], status[i] = found, Status.CONVERGED
-            error[i] = float(np.linalg.norm(arm.fk(found) - target))
+        error[i] = float(np.linalg.norm(arm.fk(q[i]) - target))
     record = ik_record(q.reshape(*leading, 5), status.reshape(leading), error.reshape(leading))
     solved = status == Status.CONVERGED
     energy = np.where(solved, arm.energy(q), np.nan)
-    # Why SLSQP fails it does not say; the exact method does.
-    exact = arm.solve(points, "exact")
-    place = np.where(solved.reshape(leading), 0, exact.place).astype(np.uint8)
-    gap = np.where(solved.reshape(leading), 0.0, exact.gap)
+    # Why SLSQP fails it does not say; the exact method does, or for constants for which it
+    # has no proof the analytical one.
+    try:
+        why = arm.solve(points, "exact")
+    except ArgumentError:
+        why = arm.solve(points, "as")
+    place = np.where(solved.reshape(leading), 0, why.place).astype(np.uint8)
+    gap = np.where(solved.reshape(leading), 0.0, why.gap)
     return StrawberryResult(record, energy.reshape(leading), place, gap)

@@ -39,12 +39,12 @@ class Record:
 
     @property
     def position_error(self) -> NDArray[np.float64]:
-        """Distance of the tool point from the target, shape (...), m."""
+        """Distance of the tool point from the target, shape (...), m; infinite for bad input."""
         return self.record.position_error
 
     @property
     def orientation_error(self) -> NDArray[np.float64]:
-        """Zero: these arms reach points; shape (...), rad."""
+        """Zero, as these arms reach points; infinite for bad input; shape (...), rad."""
         return self.record.orientation_error
 
     @property

@@ -18,14 +18,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _native
-from .._checks import FloatArray
+from .._checks import FloatArray, finite_array, real_number
 from ..errors import ArgumentError, UnknownNameError
 from ._record import Record
 
 __all__ = ["Command", "Place", "StrawberryArm", "StrawberryResult"]
 
 Method = Literal["exact", "as", "ssas", "ncos"]
+METHODS = ("exact", "as", "ssas", "ncos")
+THETA_RULES = ("least_magnitude", "middle")
+SLOPE_CASES = ("fixed", "s21", "s32")
 Interval = tuple[float, float]
+
+STEEPEST = 1e12
+"""A derivative above this (J/m, rad/m) is that of a pose that has none, but for rounding."""
 
 
 class Place(IntEnum):
@@ -137,18 +143,17 @@ class StrawberryArm:
         mass3: float | None = None,
         gravity: float | None = None,
     ) -> None:
-        self._arm = _native.StrawberryArm(
-            l1=l1,
-            l2=l2,
-            l3=l3,
-            d=d,
-            lower=lower,
-            upper=upper,
-            friction=friction,
-            mass2=mass2,
-            mass3=mass3,
-            gravity=gravity,
-        )
+        scalars = {
+            "l1": l1,
+            "l2": l2,
+            "l3": l3,
+            "friction": friction,
+            "mass2": mass2,
+            "mass3": mass3,
+            "gravity": gravity,
+        }
+        given = {name: real_number(name, x) for name, x in scalars.items() if x is not None}
+        self._arm = _native.StrawberryArm(d=d, lower=lower, upper=upper, **given)
 
     @property
     def parameters(self) -> Mapping[str, float | list[float]]:
@@ -224,12 +229,16 @@ class StrawberryArm:
             A wrong shape or option, or constants for which the exact minimum cannot be
             proven.
         """
+        if method not in METHODS:
+            raise UnknownNameError("method", str(method), METHODS)
+        s10_share = real_number("s10_share", s10_share, 0, 1)
+        theta_step = real_number("theta_step", theta_step, unit="rad")
+        if theta_rule not in THETA_RULES:
+            raise UnknownNameError("theta rule", str(theta_rule), THETA_RULES)
         if method == "ncos":
             from ._ncos import solve_all
 
             return solve_all(self, targets)
-        if method not in ("exact", "as", "ssas"):
-            raise UnknownNameError("method", str(method), ("exact", "as", "ssas", "ncos"))
         record, energy, place, gap = self._arm.solve(
             targets, method, s10_share, theta_rule, theta_step
         )
@@ -249,7 +258,7 @@ class StrawberryArm:
 
     def s10_set(self, target: ArrayLike) -> Interval | None:
         """Return the interval of s10 (m) for a target, (12), or None if it is empty."""
-        return self._arm.s10_set(target)[0]
+        return self._arm.s10_set(finite_array("target", target, (3,)))[0]
 
     def theta_sets(self, target: ArrayLike, beta: float) -> Mapping[str, list[Interval]]:
         """Return the sets of theta for a target at a beta, as lists of intervals.
@@ -267,7 +276,8 @@ class StrawberryArm:
             ``s21``: what slide s21 leaves, (14); ``s32``: what slide s32 leaves, (15) with
             its negative branch; ``all``: what both and the joint's limits leave, (16).
         """
-        return self._arm.theta_sets(target, beta)
+        target = finite_array("target", target, (3,))
+        return self._arm.theta_sets(target, real_number("beta", beta, unit="rad"))
 
     def slopes(
         self, theta: float, beta: float, case: Literal["fixed", "s21", "s32"] = "fixed"
@@ -286,8 +296,22 @@ class StrawberryArm:
         dict
             ``beta_by_s10`` (rad/m), ``theta_by_beta``, ``friction_by_s10`` and
             ``potential_by_s10`` (J/m).
+
+        Raises
+        ------
+        ArgumentError
+            A wrong argument, or a pose without derivative: theta cannot keep slide s32
+            where it is at theta 0, nor s21 at a quarter turn.
         """
-        return self._arm.slopes(theta, beta, case)
+        theta = real_number("theta", theta, unit="rad")
+        beta = real_number("beta", beta, unit="rad")
+        if case not in SLOPE_CASES:
+            raise UnknownNameError("case", str(case), SLOPE_CASES)
+        found = self._arm.slopes(theta, beta, case)
+        if not all(abs(slope) < STEEPEST for slope in found.values()):
+            pose = f"theta {theta!r}, beta {beta!r}, case {case!r}"
+            raise ArgumentError("theta, beta", pose, "a pose that has derivatives along s10")
+        return found
 
     def commands(self, q: ArrayLike, *, psi: float = 0.0, h_extra: float = 0.05) -> list[Command]:
         """Return the steps of remark 3 that drive the arm to a pose.
@@ -307,6 +331,8 @@ class StrawberryArm:
         list of Command
             Nine steps.
         """
+        psi = real_number("psi", psi, unit="rad")
+        h_extra = real_number("h_extra", h_extra, 0, unit="m")
         return [Command(*step) for step in self._arm.commands(q, psi, h_extra)]
 
     def suggest_base_shift(self, targets: ArrayLike, axes: str = "xyz") -> FloatArray:
@@ -325,9 +351,11 @@ class StrawberryArm:
         Returns
         -------
         ndarray, shape (..., 3), m
-            Zero for targets in reach, NaN where no such translation helps. After the
-            platform has moved by ``shift`` the target is at ``target - shift``.
+            Zero for targets in reach, NaN where no such translation helps (there is none for
+            a target that is not finite). After the platform has moved by ``shift`` the
+            target is at ``target - shift``.
         """
-        if not axes or not set(axes) <= set("xyz"):
+        given: object = axes
+        if not isinstance(given, str) or not given or not set(given) <= set("xyz"):
             raise ArgumentError("axes", repr(axes), "one or more of the letters x, y, z")
         return self._arm.suggest_base_shift(targets, [axis in axes for axis in "xyz"])

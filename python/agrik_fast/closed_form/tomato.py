@@ -1,4 +1,4 @@
-"""The tomato pointing arm: all branches, servo limits, iterative methods, torques.
+"""The tomato pointing arm: all branches, servo limits, iterative methods.
 
 Pan, shoulder and elbow, driven by hobby servos (Kviesis and Osadcuks). Joint values are
 phi1 (shoulder), phi2 (elbow) and phi3 (pan), rad, in the paper's order;
@@ -17,11 +17,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _native
-from .._checks import FloatArray, float_array, real_number, whole_number
+from .._checks import (
+    FloatArray,
+    finite_array,
+    float_array,
+    real_number,
+    truth_value,
+    whole_number,
+)
 from ..errors import ArgumentError, UnknownNameError
 from ..result import Status
 from ..robot import Robot
 from ._record import Record
+from .torques import HD_6001HB, HS_311, Load, Servo, Torques, holding_torques
 
 __all__ = [
     "BRANCHES",
@@ -46,6 +54,11 @@ BRANCHES = ("up", "down", "up_flip", "down_flip")
 HOME = (math.pi / 3, -math.pi / 2, 0.0)
 """Pose that the arm starts from, rad: the paper names none."""
 
+METHODS = ("inverse", "pinv", "transpose", "dls")
+"""Names of the iterative methods."""
+
+# Relative cutoff of singular values of the pseudo-inverse.
+_CUTOFF = 1e-8
 # Below these a Jacobian counts as singular, a gradient as zero.
 _SINGULAR = 1e-9
 _STALLED = 1e-9
@@ -164,7 +177,8 @@ class TomatoArm:
         servos = Robot.load("tomato")
         self.lower = float_array("lower", servos.lower if lower is None else lower)
         self.upper = float_array("upper", servos.upper if upper is None else upper)
-        self.l1, self.l2 = float(l1), float(l2)
+        self.l1 = real_number("l1", l1, 0, open_low=True, unit="m")
+        self.l2 = real_number("l2", l2, 0, open_low=True, unit="m")
         self._arm = _native.TomatoArm(self.l1, self.l2, self.lower, self.upper)
         self._loop = _free_chain(self.l1, self.l2)
 
@@ -203,7 +217,16 @@ class TomatoArm:
         -------
         TomatoResult
             The common record, outcomes and branches.
+
+        Raises
+        ------
+        ArgumentError
+            A wrong shape or type, or a `current` that is not finite.
+        UnknownNameError
+            No branch has that name.
         """
+        current = finite_array("current", current, (3,))
+        follow = truth_value("follow", follow)
         return TomatoResult(*self._arm.solve(targets, current, _branch_number(branch), follow))
 
     def branches(self, targets: ArrayLike, *, pan: float = 0.0) -> TomatoBranches:
@@ -220,7 +243,13 @@ class TomatoArm:
         -------
         TomatoBranches
             Joint values, which are valid, outcomes.
+
+        Raises
+        ------
+        ArgumentError
+            A wrong shape, or a `pan` that is not finite.
         """
+        pan = real_number("pan", pan, unit="rad")
         return TomatoBranches(*self._arm.branches(targets, pan))
 
     def transpose_bound(self, q: ArrayLike) -> FloatArray:
@@ -255,7 +284,7 @@ class TomatoArm:
         method : {"inverse", "pinv", "transpose", "dls"}
             Inverse and pseudo-inverse take the same steps: the Jacobian is square, (17) is
             then its inverse.
-        q0 : array_like, shape (3,), rad
+        q0 : array_like, shape broadcastable to (..., 3), rad
             Start.
         gain : float, default 1.0
             Share of the error that a step is to remove, above 0, at most 1.
@@ -275,23 +304,35 @@ class TomatoArm:
         -------
         PacedResult
             The common record and why each row ended.
+
+        Raises
+        ------
+        ArgumentError
+            A wrong shape, or a number out of its range.
+        UnknownNameError
+            No such method.
         """
+        if method not in METHODS:
+            raise UnknownNameError("method", str(method), METHODS)
         points = float_array("targets", targets)
+        if points.ndim == 0 or points.shape[-1] != 3:
+            raise ArgumentError("targets", f"shape {points.shape}", "shape (..., 3)")
         start = float_array("q0", q0)
+        try:
+            start = np.broadcast_to(start, points.shape)
+        except ValueError:
+            expected = f"shape (3,), or one that broadcasts to {points.shape}"
+            raise ArgumentError("q0", f"shape {start.shape}", expected) from None
         gain = real_number("gain", gain, 0, 1, open_low=True)
         if step_length is not None:
             step_length = real_number("step_length", step_length, 0, open_low=True, unit="m")
+        if alpha is not None:
+            alpha = real_number("alpha", alpha, 0, open_low=True, unit="1/m^2")
+        damping = real_number("damping", damping, 0, open_low=True, unit="m")
         tolerance = real_number("tolerance", tolerance, 0, open_low=True, unit="m")
         cap = whole_number("max_iterations", max_iterations, 1, 2**32 - 1)
-        if method == "transpose":
-            parameter = 0.0 if alpha is None else real_number("alpha", alpha, 0, open_low=True)
-        elif method in ("inverse", "pinv"):
-            parameter = 1e-8
-        elif method == "dls":
-            parameter = real_number("damping", damping, 0, open_low=True, unit="m")
-        else:
-            known = ("inverse", "pinv", "transpose", "dls")
-            raise UnknownNameError("method", str(method), known)
+        # What each method takes: an automatic step without alpha, a cutoff, a damping.
+        parameter = {"transpose": alpha or 0.0, "dls": damping}.get(method, _CUTOFF)
         step = "pinv" if method == "inverse" else method
         record = _native.ik_paced(
             self._loop, points, step, parameter, gain, step_length, start, tolerance, cap
@@ -367,147 +408,3 @@ def _free_chain(l1: float, l2: float) -> _native.Chain:
     ]
     order = ["phi1", "phi2", "phi3"]
     return _native.Chain.from_joints("tomato", joints, tool=tool, variable_order=order)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Servo:
-    """A hobby servo.
-
-    Parameters
-    ----------
-    name : str
-        Type.
-    torque : float, N m
-        Stall torque at its usual voltage.
-    mass : float, kg
-        Mass.
-    speed : float, rad/s
-        Without load.
-    source : str
-        Where the numbers are from.
-    """
-
-    name: str
-    torque: float
-    mass: float
-    speed: float
-    source: str
-
-
-HS_311 = Servo(
-    name="HS-311",
-    torque=0.294,
-    mass=0.043,
-    speed=math.radians(60) / 0.19,
-    source="3.0 kg cm and 0.19 s per 60 degrees at 4.8 V, found in a forum quote",
-)
-"""Pan: no gravity load."""
-
-HD_6001HB = Servo(
-    name="HD-6001HB",
-    torque=0.57,
-    mass=0.043,
-    speed=math.radians(60) / 0.16,
-    source="5.8 kg cm at 4.8 V, from memory, unverified; the speed is an assumption",
-)
-"""Shoulder and elbow."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Load:
-    """Masses of the arm (kg) and where its links balance.
-
-    Parameters
-    ----------
-    link1, link2 : float, default 0.032, kg
-        Links.
-    motor : float, default 0.043, kg
-        Elbow servo, at the end of link 1.
-    payload : float, default 0.05, kg
-        What hangs on the tool point.
-    balance1, balance2 : float, default 0.5
-        Centre of mass of a link, as a share of its length.
-    """
-
-    link1: float = 0.032
-    link2: float = 0.032
-    motor: float = 0.043
-    payload: float = 0.05
-    balance1: float = 0.5
-    balance2: float = 0.5
-
-
-class Torques(NamedTuple):
-    """Holding torques, N m, and what the servos have to spare.
-
-    Attributes
-    ----------
-    shoulder, elbow : float, N m
-        Torques against gravity.
-    shoulder_factor, elbow_factor : float
-        Servo torque over holding torque.
-    enough : bool
-        Both factors reach the wanted one.
-    """
-
-    shoulder: float
-    elbow: float
-    shoulder_factor: float
-    elbow_factor: float
-    enough: bool
-
-
-def holding_torques(
-    l1: float = 0.16,
-    l2: float = 0.16,
-    load: Load | None = None,
-    *,
-    phi1: float = 0.0,
-    phi2: float = 0.0,
-    shoulder: Servo = HD_6001HB,
-    elbow: Servo = HD_6001HB,
-    safety_factor: float = 1.7,
-    gravity: float = 9.80665,
-) -> Torques:
-    """Return the torques that hold the arm, (1)-(4), and the servos' safety factors.
-
-    The paper's (3) lets only link 1 balance elsewhere than in its middle; here both may.
-    Stretched out level (the default pose) the torques are largest.
-
-    Parameters
-    ----------
-    l1, l2 : float, default 0.16, m
-        Link lengths.
-    load : Load, optional
-        Masses.
-    phi1, phi2 : float, default 0.0, rad
-        Pose.
-    shoulder, elbow : Servo
-        Servos.
-    safety_factor : float, default 1.7
-        Wanted ratio of servo torque to holding torque.
-    gravity : float, default 9.80665, m/s^2
-        Gravity.
-
-    Returns
-    -------
-    Torques
-        Torques and factors.
-    """
-    load = Load() if load is None else load
-    for name, value in (("l1", l1), ("l2", l2), ("safety_factor", safety_factor)):
-        real_number(name, value, 0, open_low=True)
-    for name in ("link1", "link2", "motor", "payload"):
-        real_number(f"load.{name}", getattr(load, name), 0, unit="kg")
-    if not math.isfinite(phi1 + phi2):
-        raise ArgumentError("phi1, phi2", f"{phi1!r}, {phi2!r}", "finite angles")
-    outer = load.balance2 * l2 * load.link2 + l2 * load.payload
-    inner = load.balance1 * l1 * load.link1 + l1 * (load.motor + load.link2 + load.payload)
-    elbow_torque = gravity * outer * math.cos(phi1 + phi2)
-    shoulder_torque = gravity * inner * math.cos(phi1) + elbow_torque
-    factors = [
-        servo.torque / abs(torque) if torque else math.inf
-        for servo, torque in ((shoulder, shoulder_torque), (elbow, elbow_torque))
-    ]
-    enough = min(factors) >= safety_factor
-    return Torques(shoulder_torque, elbow_torque, factors[0], factors[1], enough)

@@ -311,12 +311,14 @@ pub fn ik_record(
         return Err(wrong_shape(py, "position_error", errors.shape(), &expected));
     }
     let status: Vec<u8> = status.values()?.iter().map(|code| *code as u8).collect();
+    let errors = errors.values()?;
     let answers = Answers {
         q: q.values()?.to_vec(),
-        orientation_error: vec![0.0; status.len()],
+        // Infinite where nothing could be tried, as the error of position.
+        orientation_error: errors.iter().map(|x| if x.is_finite() { 0.0 } else { *x }).collect(),
         iterations: vec![0; status.len()],
         restarts: vec![0; status.len()],
-        position_error: errors.values()?.to_vec(),
+        position_error: errors.to_vec(),
         status,
     };
     Ok(IkResult::new(leading.to_vec(), *dof, answers))

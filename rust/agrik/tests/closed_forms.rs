@@ -210,3 +210,33 @@ fn out_of_reach_is_proven() {
     assert!(one.position_error[0] > 5.0);
     assert!(chain.within_limits(&one.q));
 }
+
+#[test]
+fn targets_whose_squares_overflow_leave_no_nan() {
+    let mut sampler = Sampler(1);
+    for kind in [Kind::ParallelElbow, Kind::ParallelBase, Kind::MeetingBase, Kind::General] {
+        let u = std::array::from_fn(|_| sampler.unit());
+        let rows = [shoulder(kind, &u), wrist(&mut sampler)].concat();
+        let chain = chain_of(&rows, &mut sampler);
+        for far in [1e160, -1e300] {
+            for axis in 0..3 {
+                let mut pose = Matrix4::identity();
+                pose[(axis, 3)] = far;
+                let goals = rows_of(&[pose; 5]);
+                // Alone and in lanes.
+                for goals in [&goals[..1], &goals[..]] {
+                    let plan = plan_of(&chain, goals, Starts::Free);
+                    let query =
+                        Query::new(&plan, ArmAngle::Free, Choice::Margin).expect("a closed form");
+                    let found = all(&query, 1, &mut || true).expect("not interrupted");
+                    assert!(found.status.iter().all(|s| *s == Status::OutOfReach as u8));
+                    assert!(found.q.iter().all(|x| x.is_finite()));
+                    let one = batch::solve(&query, 1, &mut || true).expect("not interrupted");
+                    assert!(one.q.iter().all(|x| x.is_finite()));
+                    assert!(one.position_error.iter().all(|x| *x > 1e100));
+                    assert!(one.orientation_error.iter().all(|x| x.is_finite()));
+                }
+            }
+        }
+    }
+}

@@ -11,6 +11,9 @@ use super::turn::{Meeting, Side, Turn, advance, components, identity};
 use crate::lanes::{Real, V3, axpy, splat3, sub};
 use crate::task::Goal;
 
+/// No coordinate of a wrist's centre is taken to be larger, m.
+const FARTHEST: f64 = 1e100;
+
 /// A recognised arm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SphericalWrist {
@@ -83,7 +86,11 @@ impl SphericalWrist {
     fn wanted<R: Real>(&self, goal: &Goal<R>, tool: [f64; 3]) -> Wanted<R> {
         let g = &self.geometry;
         let base = [splat3::<R>(g.axes[0]), splat3(g.axes[1]), splat3(g.axes[2])];
-        let center = wrist_center(g, goal, tool);
+        // Farther away squares overflow, and what is out of reach gets no angles at all.
+        let mut center = wrist_center(g, goal, tool);
+        for x in &mut center {
+            *x = x.max(R::splat(-FARTHEST)).min(R::splat(FARTHEST));
+        }
         Wanted {
             center: components(base, sub(center, splat3(g.origin))),
             x: components(base, goal.axes[0]),

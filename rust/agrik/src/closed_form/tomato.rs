@@ -216,10 +216,6 @@ impl Arm {
                 Ok((found, b, outcome)) => {
                     *q = found;
                     out.branch[i] = b as i8;
-                    let p = self.fk(&found);
-                    let off: f64 = p.iter().zip(target).map(|(a, b)| (a - b) * (a - b)).sum();
-                    out.answers.position_error[i] = off.sqrt();
-                    out.answers.orientation_error[i] = 0.0;
                     if follow {
                         (at, taken) = (found, Some(b));
                     }
@@ -230,6 +226,12 @@ impl Arm {
                     outcome
                 }
             };
+            if outcome != Outcome::BadInput {
+                let p = self.fk(q);
+                let off: f64 = p.iter().zip(target).map(|(a, b)| (a - b) * (a - b)).sum();
+                out.answers.position_error[i] = off.sqrt();
+                out.answers.orientation_error[i] = 0.0;
+            }
             out.outcome[i] = outcome as u8;
             out.answers.status[i] = outcome.status() as u8;
         }
@@ -339,8 +341,11 @@ mod tests {
         let servo = Arm::new([0.16, 0.16], [0.13, -3.01, -1.0], [3.01, -0.13, 1.0]).unwrap();
         assert_eq!(servo.solve([0.05, 0.0, -0.3], &home, None), Err(Outcome::ServoLimit));
         // Nothing moves unless the target is reached.
-        let out = servo.solve_all(&[[9.0; 3]], &home, None, true);
-        assert_eq!(out.answers.q, home);
+        let out = servo.solve_all(&[[9.0; 3], [f64::NAN; 3]], &home, None, true);
+        assert_eq!(out.answers.q, [home; 2].concat());
+        let off = error(&servo, home, [9.0; 3]);
+        assert_eq!(out.answers.position_error, [off, f64::INFINITY]);
+        assert_eq!(out.answers.orientation_error, [0.0, f64::INFINITY]);
     }
 
     #[test]

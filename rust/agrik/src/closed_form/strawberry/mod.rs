@@ -350,6 +350,11 @@ impl Arm {
             gap: vec![0.0; rows],
         };
         let method = self.prepare(method);
+        let reset = self.reset_pose();
+        let at_reset = self.fk(&reset);
+        let distance = |at: [f64; 3], target: &[f64; 3]| -> f64 {
+            at.iter().zip(target).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+        };
         let (joints, _) = out.answers.q.as_chunks_mut::<5>();
         for (i, (target, q)) in targets.iter().zip(joints).enumerate() {
             match self.solve_prepared(*target, &method) {
@@ -358,13 +363,16 @@ impl Arm {
                     out.energy[i] = self.energy_of(&found);
                     // The check that `success` promises: against the target itself.
                     let at = self.fk_of(&found.q, found.theta, found.beta);
-                    let off: f64 = at.iter().zip(target).map(|(a, b)| (a - b) * (a - b)).sum();
-                    out.answers.position_error[i] = off.sqrt();
+                    out.answers.position_error[i] = distance(at, target);
                     out.answers.orientation_error[i] = 0.0;
                     out.answers.status[i] = Status::Converged as u8;
                 }
                 Err(gap) => {
-                    *q = self.reset_pose();
+                    *q = reset;
+                    if gap.status != Status::BadInput {
+                        out.answers.position_error[i] = distance(at_reset, target);
+                        out.answers.orientation_error[i] = 0.0;
+                    }
                     out.place[i] = gap.place as u8;
                     out.gap[i] = gap.amount;
                     out.answers.status[i] = gap.status as u8;

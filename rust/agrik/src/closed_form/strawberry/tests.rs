@@ -326,3 +326,17 @@ fn commands_wait_above_the_plant() {
     assert_eq!((steps[7].axis, steps[7].target), (Axis::S32, q[2]));
     assert!(arm.commands(&q, 0.0, -0.05).is_err());
 }
+
+#[test]
+fn failed_rows_hold_the_reset_pose_and_how_far_it_is_off() {
+    let arm = arm();
+    let targets = [[0.4, 1.2, -0.3], [f64::NAN; 3]];
+    for method in [Method::Exact, Method::Analytic(Rules::default())] {
+        let out = arm.solve_all(&targets, &method).unwrap().answers;
+        assert_eq!(out.q, [arm.reset_pose(); 2].concat());
+        let at = arm.fk(&arm.reset_pose());
+        let off: f64 = (0..3).map(|i| (at[i] - targets[0][i]).powi(2)).sum();
+        assert_eq!(out.position_error, [off.sqrt(), f64::INFINITY]);
+        assert_eq!(out.orientation_error, [0.0, f64::INFINITY]);
+    }
+}
