@@ -174,6 +174,7 @@ def test_gains_for_another_robot_are_refused():
         ({"A": [[np.nan]], "B": [[1, 1, 1]], "C": [[1]]}, "finite numbers"),
         ({"frame": np.ones((3, 3))}, "a rotation matrix"),
         ({"length_unit_m": 0.0}, "> 0"),
+        ({"robot": 5}, "a robot's name or None"),
     ],
 )
 def test_matrices_that_do_not_fit_are_refused(fields, message):
@@ -195,6 +196,9 @@ def test_words_are_checked():
         solvers.StaticGain(start="midle")
     with pytest.raises(UnknownNameError, match="unknown order"):
         solvers.IkPid(order="tip")
+    for field in ("literal", "incremental"):
+        with pytest.raises(ArgumentError, match=f"`IkPid.{field}`: expected True or False"):
+            solvers.IkPid(**{field: "no"})
     with pytest.raises(ArgumentError, match="a position task"):
         ARM.ik(ARM.fk(np.zeros(6)), solver="ccd")
 

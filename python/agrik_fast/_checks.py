@@ -62,6 +62,13 @@ def real_number(
     return number
 
 
+def truth(argument: str, value: object) -> bool:
+    """Return `value`, which must be True or False."""
+    if not isinstance(value, bool):
+        raise ArgumentError(argument, repr(value), "True or False")
+    return value
+
+
 def direction(argument: str, value: object) -> tuple[float, float, float]:
     """Return three numbers as a unit vector."""
     vector = float_array(argument, value)  # type: ignore[arg-type]

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from ._checks import real_number, whole_number
+from ._checks import real_number, truth, whole_number
 from .errors import ArgumentError, UnknownNameError
 
 __all__ = ["DifferentialEvolution", "GeneticAlgorithm"]
@@ -55,8 +55,7 @@ def _check_search(solver: DifferentialEvolution | GeneticAlgorithm) -> None:
     real_number(f"{kind}.target_cost", solver.target_cost, 0)
     _word(f"{kind}.boundary", solver.boundary, BOUNDARIES)
     _word(f"{kind}.orientation", solver.orientation, ORIENTATIONS)
-    if not isinstance(solver.polish, bool):
-        raise ArgumentError(f"{kind}.polish", repr(solver.polish), "True or False")
+    truth(f"{kind}.polish", solver.polish)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
