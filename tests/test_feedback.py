@@ -79,6 +79,16 @@ def test_restarts_make_feedback_solvers_reliable():
         assert_true(ARM, GOALS, result, 1e-3)
 
 
+@pytest.mark.parametrize("robot", ["hydrolek", "ur5", "panda"])
+def test_ik_pid_meets_the_default_tolerance(robot):
+    arm = ik.Robot.load(robot)
+    points = arm.fk(arm.random_q(100, seed=1))[:, :3, 3]
+    result = arm.ik(points, solver=solvers.IkPid())
+    assert result.success.mean() >= 0.98
+    published = solvers.IkPid(ki=1e-7)
+    assert arm.ik(points, solver=published).iterations.mean() > result.iterations.mean()
+
+
 def test_answers_do_not_depend_on_lanes_threads_or_slices():
     for name in FEEDBACK:
         whole = solve(name, threads=1).q
