@@ -63,7 +63,7 @@ def best_seconds(work: Callable[[], object], repeats: int = 5) -> float:
 
 
 def seconds_in_turns(
-    works: Mapping[_KeyT, Callable[[], object]], rounds: int = 15
+    works: Mapping[_KeyT, Callable[[], object]], rounds: int = 30
 ) -> dict[_KeyT, float]:
     """Return the least processor time of each of several calls, s.
 
