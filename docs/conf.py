@@ -40,6 +40,7 @@ html_sidebars = {
     "robots": [],
     "solvers": [],
     "population": [],
+    "paths": [],
     "closed-forms": [],
 }
 

@@ -1,5 +1,6 @@
 """Make the parts of the documentation that come from the code: pictures and tables."""
 
+import dataclasses
 import math
 from pathlib import Path
 
@@ -7,7 +8,8 @@ import matplotlib as mpl
 import numpy as np
 
 import agrik_fast as ik
-from agrik_fast.papers import redundant7, strawberry, tomato
+from agrik_fast.goals import joint_uniform
+from agrik_fast.papers import hydrolek, redundant7, strawberry, tomato
 
 mpl.use("Agg")
 # The same drawing has the same bytes, whoever makes it.
@@ -106,6 +108,90 @@ def draw_branches(file: Path) -> None:
     plt.close(figure)
 
 
+def draw_laws(folder: Path) -> None:
+    """Draw, for each method of Table II, the error over its steps, the others in grey."""
+    arm = ik.Robot.load("hydrolek")
+    goal = hydrolek.displaced_goal(arm, "zero")
+    curves = {}
+    for name, (solver, _) in hydrolek.methods().items():
+        curves[name] = 1e3 * hydrolek.error_trace(arm, solver, goal, "zero", 60, 1e-6)
+    pages = {
+        "jacobian": tuple(
+            name for name in curves if name.startswith(("pseudo", "trans", "damped"))
+        ),
+        "coordinate-descent": ("coordinate descent",),
+        "ik-pid": ("IK-PID, published",),
+        "state-space": ("state space, 90 (PSO)", "state space, 15 (CMA-ES)"),
+        "static-gain": ("static gain, 15",),
+        "broyden": ("Broyden from static gain",),
+    }
+    for page, names in pages.items():
+        figure, axis = plt.subplots(figsize=(7, 3), layout="constrained")
+        for name, errors in curves.items():
+            if name not in names:
+                axis.semilogy(errors, color="0.85", linewidth=1)
+        for name, style in zip(names, ("-", "--", "-.", ":"), strict=False):
+            axis.semilogy(curves[name], style, label=name)
+        axis.set_xlabel("steps (sweeps of all joints)")
+        axis.set_ylabel("error [mm]")
+        axis.legend()
+        figure.savefig(folder / f"{page}.svg", metadata={"Date": None})
+        plt.close(figure)
+
+
+def draw_tuning(file: Path) -> None:
+    """Draw how the goals left unreached fall from a frozen gain to a tuned one."""
+    arm = ik.Robot.load("hydrolek")
+    goals = joint_uniform(arm, 1000, 1)
+    sets = ("trial_published", "full90_pso", "diag24_pso", "k15_pso", "full90_cma", "k15_cma")
+    figure, axis = plt.subplots(figsize=(7, 3), layout="constrained")
+    for name in sets:
+        solver = ik.solvers.StateSpace.load(f"hydrolek_{name}")
+        result = arm.ik(goals, solver=solver, position_tolerance=1e-3)
+        steps = np.sort(result.iterations[result.success])
+        axis.step(steps, np.arange(1, len(steps) + 1), where="post", label=name)
+    axis.set_xscale("log")
+    axis.set_xlabel("steps")
+    axis.set_ylabel("goals of 1,000 reached by then")
+    axis.legend()
+    figure.savefig(file, metadata={"Date": None})
+    plt.close(figure)
+
+
+def draw_populations(folder: Path) -> None:
+    """Draw the best cost by generation of the published recipe's variants, and of the GA."""
+    arm, pose = ik.Robot.load("redundant7"), redundant7.experiments.target()
+    recipe = ik.solvers.DifferentialEvolution.paper()
+    genetic = ik.solvers.GeneticAlgorithm(
+        population=100,
+        generations=200,
+        max_restarts=0,
+        position_weight=recipe.position_weight,
+        orientation_weight=recipe.orientation_weight,
+        polish=False,
+    )
+    variants = {
+        "differential-evolution": {
+            "best1, rate per gene (published)": recipe,
+            "best1, rate per individual": dataclasses.replace(recipe, redraw="individual"),
+            "rand1": dataclasses.replace(recipe, mutation="rand1"),
+            "current-to-best1": dataclasses.replace(recipe, mutation="current-to-best1"),
+            "jDE": dataclasses.replace(recipe, adaptation="jde", crossover=(0.9, 0.9)),
+        },
+        "genetic-algorithm": {"genetic algorithm": genetic, "differential evolution": recipe},
+    }
+    for page, solvers in variants.items():
+        figure, axis = plt.subplots(figsize=(7, 3.4), layout="constrained")
+        for name, solver in solvers.items():
+            costs = [arm.cost_history(pose, solver, seed=seed) for seed in range(30)]
+            axis.semilogy(np.median(costs, axis=0), label=name)
+        axis.set_xlabel("generation")
+        axis.set_ylabel("best cost, median of 30 [mm + 100 rad]")
+        axis.legend()
+        figure.savefig(folder / f"{page}.svg", metadata={"Date": None})
+        plt.close(figure)
+
+
 def describe(name: str) -> str:
     """Return the description of a robot and the table of its joints, as Markdown."""
     arm = ik.Robot.load(name)
@@ -132,6 +218,12 @@ def main(folder: Path) -> None:
     draw_branches(folder / "branches.svg")
     strawberry.reproduce(folder / "papers" / "strawberry")
     tomato.reproduce(folder / "papers" / "tomato")
+    hydrolek.reproduce(folder / "papers" / "hydrolek")
     redundant7.reproduce(folder / "papers" / "redundant7", repeats=200)
+    methods = folder / "methods"
+    methods.mkdir(exist_ok=True)
+    draw_laws(methods)
+    draw_tuning(methods / "tuning.svg")
+    draw_populations(methods)
     for name in ik.Robot.names():
         (folder / f"{name}.md").write_text(describe(name), encoding="utf-8")

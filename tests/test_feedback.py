@@ -79,6 +79,16 @@ def test_restarts_make_feedback_solvers_reliable():
         assert_true(ARM, GOALS, result, 1e-3)
 
 
+@pytest.mark.parametrize("robot", ["hydrolek", "ur5", "panda"])
+def test_ik_pid_meets_the_default_tolerance(robot):
+    arm = ik.Robot.load(robot)
+    points = arm.fk(arm.random_q(100, seed=1))[:, :3, 3]
+    result = arm.ik(points, solver=solvers.IkPid())
+    assert result.success.mean() >= 0.98
+    published = solvers.IkPid(ki=1e-7)
+    assert arm.ik(points, solver=published).iterations.mean() > result.iterations.mean()
+
+
 def test_answers_do_not_depend_on_lanes_threads_or_slices():
     for name in FEEDBACK:
         whole = solve(name, threads=1).q
@@ -174,6 +184,7 @@ def test_gains_for_another_robot_are_refused():
         ({"A": [[np.nan]], "B": [[1, 1, 1]], "C": [[1]]}, "finite numbers"),
         ({"frame": np.ones((3, 3))}, "a rotation matrix"),
         ({"length_unit_m": 0.0}, "> 0"),
+        ({"robot": 5}, "a robot's name or None"),
     ],
 )
 def test_matrices_that_do_not_fit_are_refused(fields, message):
@@ -195,6 +206,9 @@ def test_words_are_checked():
         solvers.StaticGain(start="midle")
     with pytest.raises(UnknownNameError, match="unknown order"):
         solvers.IkPid(order="tip")
+    for field in ("literal", "incremental"):
+        with pytest.raises(ArgumentError, match=f"`IkPid.{field}`: expected True or False"):
+            solvers.IkPid(**{field: "no"})
     with pytest.raises(ArgumentError, match="a position task"):
         ARM.ik(ARM.fk(np.zeros(6)), solver="ccd")
 

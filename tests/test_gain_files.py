@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 
+import agrik_fast as ik
 from agrik_fast import gain_file
 from agrik_fast.errors import GainFileError, UnknownNameError
 from agrik_fast.solvers import IkPid, StateSpace
@@ -60,6 +61,58 @@ def test_files_with_faults_are_refused(tmp_path, change, message):
     with pytest.raises(GainFileError) as caught:
         gain_file.read(path)
     assert message in str(caught.value) and "bad.json" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("table", "change", "message"),
+    [
+        ("success", {"solved": 1001}, "success: value error, solved: 1001 of 1000 goals"),
+        ("success", {"solved": -1}, "success.solved: input should be greater than or equal to 0"),
+        ("success", {"goals": 0}, "success.goals"),
+        ("success", {"tolerance_m": 0.0}, "success.tolerance_m"),
+        ("success", {"max_iterations": 0}, "success.max_iterations"),
+        ("training", {"solved": 3001}, "training: value error, solved: 3001 of 3000 goals"),
+        (
+            "training",
+            {"validation_goals": 10, "validation_solved": 11},
+            "training: value error, validation_solved: 11 of 10 goals",
+        ),
+    ],
+)
+def test_numbers_that_cannot_be_are_refused(tmp_path, table, change, message):
+    content = gain_file.read("hydrolek_k15_cma").model_dump(exclude_none=True)
+    content[table] |= change
+    path = tmp_path / "bad.json"
+    path.write_text(json.dumps(content))
+    with pytest.raises(GainFileError) as caught:
+        gain_file.read(path)
+    assert message in str(caught.value)
+
+
+def test_an_unstable_set_warns_once(tmp_path):
+    content = gain_file.read("hydrolek_k15_cma").model_dump(exclude_none=True)
+    content["gains"]["A"] = (1.5 * np.eye(6)).tolist()
+    path = tmp_path / "unstable.json"
+    path.write_text(json.dumps(content))
+    with pytest.warns(UserWarning, match=r"spectral radius 1\.500") as caught:
+        StateSpace.load(path)
+    assert len(caught) == 1
+
+
+def test_a_list_is_no_gain_file(tmp_path):
+    path = tmp_path / "list.json"
+    path.write_text("[1, 2]")
+    with pytest.raises(GainFileError, match=r"list\.json: the whole: input should be"):
+        gain_file.read(path)
+
+
+def test_a_named_frame_is_the_robots():
+    robot = ik.Robot.load("hydrolek")
+    for name in gain_file.bundled():
+        content = gain_file.read(name)
+        if content.robot == "hydrolek" and content.frame.name != "base":
+            turn = robot.frames[content.frame.name][:3, :3]
+            np.testing.assert_array_equal(turn, content.frame.rotation)
 
 
 def test_text_that_is_no_toml_is_refused(tmp_path):

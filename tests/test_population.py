@@ -170,11 +170,20 @@ def test_statuses(arm: ik.Robot) -> None:
     result = arm.ik(poses, solver="de")
     wanted = [ik.Status.CONVERGED, ik.Status.OUT_OF_REACH, ik.Status.BAD_INPUT]
     assert result.status.tolist() == [*wanted, ik.Status.CONVERGED]
-    # The elbow cannot fold far enough: the wrist is too near the shoulder (Table I, q4).
-    folded = arm.fk(np.array([0, 0, 0, 2.0, 0, 0, 0]))
-    folded[:3, 3] = [0, 0, 0.34 + 0.126 + 0.2]
-    folded[:3, :3] = np.eye(3)
-    assert not arm.ik(folded, solver="de").success
+
+
+@pytest.mark.parametrize("solver", ["de", "ga", "lm", DifferentialEvolution.paper()])
+def test_the_wrist_has_bounds(arm: ik.Robot, solver: Any) -> None:
+    # The elbow folds to 400 mm from shoulder to wrist (Table I, q4) and stretches to 800;
+    # the tool hangs below the wrist or stands on it.
+    distances = np.array([0.2, 0.399, 0.401, 0.799, 0.801])
+    poses = np.tile(np.eye(4), (5, 1, 1))
+    poses[:, 2, 3] = 0.34 + distances + 0.126
+    result = arm.ik(poses, solver=solver, **COARSE)
+    reachable = [False, False, True, True, False]
+    assert ((result.status == ik.Status.OUT_OF_REACH) != reachable).all()
+    # Told before the run, not after all restarts.
+    assert not result.restarts[np.logical_not(reachable)].any()
 
 
 def test_a_local_minimum_is_told(arm: ik.Robot) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 
 import numpy as np
 import pytest
@@ -12,8 +13,9 @@ import agrik_fast as ik
 from agrik_fast import gain_file, goals
 from agrik_fast import tune as tuning_module
 from agrik_fast.cli.app import app
+from agrik_fast.cli.tune import reporting
 from agrik_fast.errors import ArgumentError, GainFileError, UnknownNameError
-from agrik_fast.tune import Tuning, tune
+from agrik_fast.tune import Report, Tuning, tune
 
 ARM = ik.Robot.load("hydrolek")
 QUICK = Tuning(goals=300, evaluations=400, runs=1, refinement=100)
@@ -150,6 +152,26 @@ def test_the_command_writes_a_gain_file(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["gains.toml"]
     again = CliRunner().invoke(app, arguments)
     assert again.exit_code == 2 and "exists already" in again.output
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize("stream", [Terminal(), io.StringIO()])
+def test_progress_is_shown(stream):
+    with reporting(stream) as report:
+        # A run that goes on from a checkpoint begins in the middle.
+        report(Report(evaluations=1000, wanted=4840, cost=0.5))
+        report(Report(evaluations=4841, wanted=4841, cost=0.25))
+    text = stream.getvalue()
+    assert "gain sets, cost 0.2500" in text
+    if stream.isatty():
+        assert "\u2501" in text and "4841/4841" in text  # rich's bar
+    else:
+        assert text.splitlines()[0] == "1000 of 4840 gain sets, cost 0.5000"
+        assert "4841 of 4841" in text
 
 
 def test_streams_are_those_of_the_specification():

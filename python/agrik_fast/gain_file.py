@@ -12,9 +12,16 @@ import math
 import tomllib
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    FiniteFloat,
+    ValidationError,
+    model_validator,
+)
 
 from ._feedback import IDENTITY, IkPid, StateSpace, StaticGain
 from .errors import ArgumentError, GainFileError, UnknownNameError
@@ -26,6 +33,8 @@ _LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001}
 _ANGLES = {"rad": 1.0, "deg": math.pi / 180}
 _Row = list[FiniteFloat]
 _Rows = Annotated[list[_Row], Field(min_length=1)]
+_Count = Annotated[int, Field(ge=0)]
+_Number = Annotated[int, Field(ge=1)]
 _SolverT = TypeVar("_SolverT", IkPid, StateSpace, StaticGain)
 
 
@@ -81,22 +90,28 @@ class TrainingTable(_Table):
     """Where they are from, in words."""
     law: str | None = None
     """How the training goals were drawn."""
-    seed: int | None = None
+    seed: _Count | None = None
     """Seed of the training goals."""
-    goals: int | None = None
+    goals: _Number | None = None
     """Number of training goals."""
-    evaluations: int | None = None
+    evaluations: _Count | None = None
     """Gain sets that the search judged."""
     cost: FiniteFloat | None = None
     """Mean cost on the training goals."""
-    solved: int | None = None
+    solved: _Count | None = None
     """Training goals reached."""
-    validation_seed: int | None = None
+    validation_seed: _Count | None = None
     """Seed of the goals that the choice between gain sets was made on."""
-    validation_goals: int | None = None
+    validation_goals: _Number | None = None
     """Number of these."""
-    validation_solved: int | None = None
+    validation_solved: _Count | None = None
     """How many of these the chosen set reaches."""
+
+    @model_validator(mode="after")
+    def _no_more_than_there_are(self) -> Self:
+        _check_share("solved", self.solved, self.goals)
+        _check_share("validation_solved", self.validation_solved, self.validation_goals)
+        return self
 
 
 class SuccessTable(_Table):
@@ -104,18 +119,28 @@ class SuccessTable(_Table):
 
     law: str
     """How the goals were drawn."""
-    seed: int
+    seed: _Count
     """Seed of the goals."""
-    goals: int
+    goals: _Number
     """Number of goals."""
-    solved: int
+    solved: _Count
     """Goals reached."""
-    tolerance_m: FiniteFloat
+    tolerance_m: Annotated[FiniteFloat, Field(gt=0)]
     """Distance that counts as reached, m."""
-    max_iterations: int
+    max_iterations: _Number
     """Steps allowed."""
-    mean_iterations: FiniteFloat | None = None
+    mean_iterations: Annotated[FiniteFloat, Field(ge=0)] | None = None
     """Mean steps over the goals reached."""
+
+    @model_validator(mode="after")
+    def _no_more_than_there_are(self) -> Self:
+        _check_share("solved", self.solved, self.goals)
+        return self
+
+
+def _check_share(name: str, solved: int | None, goals: int | None) -> None:
+    if solved is not None and goals is not None and solved > goals:
+        raise ValueError(f"{name}: {solved} of {goals} goals")
 
 
 class GainFile(_Table):
@@ -197,6 +222,11 @@ def read(source: str | PathLike[str]) -> GainFile:
     GainFileError
         The file holds no valid gains; says what is wrong and where.
     """
+    return _read(source)[0]
+
+
+def _read(source: str | PathLike[str]) -> tuple[GainFile, StateSpace | StaticGain | IkPid]:
+    """Return the content of a gain file and its solver, made once: it may warn."""
     path = Path(source)
     if path.suffix not in (".toml", ".json"):
         name = str(source)
@@ -210,16 +240,16 @@ def read(source: str | PathLike[str]) -> GainFile:
         raise GainFileError(path.name, f"cannot be read: {error}") from None
     try:
         content = GainFile.model_validate(raw)
-        content.make()
+        solver = content.make()
     except ValidationError as error:
         faults = [
-            f"{'.'.join(map(str, item['loc']))}: {item['msg'].lower()}"
+            f"{'.'.join(map(str, item['loc'])) or 'the whole'}: {item['msg'].lower()}"
             for item in error.errors(include_url=False)
         ]
         raise GainFileError(path.name, "; ".join(faults)) from None
     except ArgumentError as error:
         raise GainFileError(path.name, str(error)) from None
-    return content
+    return content, solver
 
 
 def load(source: str | PathLike[str], kind: type[_SolverT]) -> _SolverT:
@@ -242,7 +272,7 @@ def load(source: str | PathLike[str], kind: type[_SolverT]) -> _SolverT:
     UnknownNameError, GainFileError
         As `read`; also gains of another kind of solver.
     """
-    solver = read(source).make()
+    _, solver = _read(source)
     if not isinstance(solver, kind):
         message = f"holds gains for {solver.name!r}, not for {kind.name!r}"
         raise GainFileError(str(source), message)

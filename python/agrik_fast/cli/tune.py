@@ -1,29 +1,31 @@
-"""The command ``agrik-fast tune``: a progress line, a checkpoint, a gain file."""
+"""The command ``agrik-fast tune``: a progress bar, a checkpoint, a gain file."""
 
 from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TextIO
 
 from ..errors import ArgumentError, GainFileError
 from ..gain_file import GainFile, write
 from ..robot import Robot
 from ..tune import Report, Tuning, tune
+from .progress import PLAIN_INTERVAL_S, Bar
 
 __all__ = ["tune_to_file"]
 
-_PERIOD_S = 2.0
 
+class _Lines:
+    """Says every few seconds how far a search has come: fit for logs."""
 
-class _Line:
-    """Says every few seconds how far a search has come; on a terminal, in one line."""
-
-    def __init__(self) -> None:
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
         self._begin = time.monotonic()
         self._next = self._begin
         self._first = 0
-        self._terminal = sys.stderr.isatty()
 
     def __call__(self, report: Report) -> None:
         now = time.monotonic()
@@ -31,18 +33,33 @@ class _Line:
             return
         if self._next == self._begin:
             self._first = report.evaluations
-        self._next = now + (0.2 if self._terminal else _PERIOD_S)
+        self._next = now + PLAIN_INTERVAL_S
         done = report.evaluations - self._first
         left = (report.wanted - report.evaluations) * (now - self._begin) / max(done, 1)
-        text = (
-            f"{report.evaluations} of {report.wanted} gain sets, cost {report.cost:.4f}, "
-            f"{max(left, 0.0):.0f} s left"
-        )
-        if self._terminal:
-            end = "\n" if report.evaluations >= report.wanted else ""
-            print(f"\r{text:<70}", end=end, file=sys.stderr, flush=True)
-        else:
-            print(text, file=sys.stderr, flush=True)
+        text = f"{report.evaluations} of {report.wanted} gain sets, cost {report.cost:.4f}"
+        # The first generation tells how far the run is, not yet how fast it goes.
+        if done:
+            text += f", {max(left, 0.0):.0f} s left"
+        print(text, file=self._stream, flush=True)
+
+
+@contextmanager
+def reporting(stream: TextIO) -> Iterator[Callable[[Report], None]]:
+    """Give what shows reports: a bar if the stream is a terminal, plain lines otherwise."""
+    if not stream.isatty():
+        yield _Lines(stream)
+        return
+    shown = 0
+    with Bar(stream) as bar:
+
+        def show(report: Report) -> None:
+            nonlocal shown
+            # A generation is judged as a whole, so the last one may bring more than was asked.
+            bar.start(f"gain sets, cost {report.cost:.4f}", report.wanted)
+            bar.advance(report.evaluations - shown)
+            shown = report.evaluations
+
+        yield show
 
 
 def tune_to_file(
@@ -56,6 +73,8 @@ def tune_to_file(
     if not output.parent.is_dir():
         raise ArgumentError("output", str(output), "a name in a folder that exists")
     checkpoint = output.with_name(f"{output.name}.checkpoint.npz")
-    content = tune(Robot.load(robot), tuning, checkpoint=checkpoint, resume=resume, report=_Line())
+    arm = Robot.load(robot)
+    with reporting(sys.stderr) as report:
+        content = tune(arm, tuning, checkpoint=checkpoint, resume=resume, report=report)
     write(output, content)
     return content

@@ -73,10 +73,20 @@ def units(directory: Path, rows: Sequence[Sequence[object]]) -> list[Path]:
     for k, name in enumerate(("Kp 0.0847", "Kp 0.02", "tuned")):
         counts = [float(str(row[2 + k])) for row in rows]
         axes.bar(place + 0.26 * (k - 1), counts, width=0.24, label=name)
-    for published in (960, 994):
+    for published, gains in ((960, "Kp 0.02"), (994, "tuned")):
         axes.axhline(published, color="0.4", linewidth=0.8, linestyle=":")
-    axes.set_ylim(300, 1030)
+        axes.annotate(
+            f"{gains},\npublished",
+            (1.0, published),
+            xycoords=("axes fraction", "data"),
+            xytext=(4, 0),
+            textcoords="offset points",
+            va="top" if published < 970 else "bottom",
+            fontsize=8,
+            color="0.4",
+        )
+    axes.set_ylim(0, 1030)
     axes.set_xticks(place, labels, fontsize=8)
     axes.set_ylabel("goals reached of 1,000")
-    axes.legend(loc="lower right")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
     return save(drawing, directory, "units")

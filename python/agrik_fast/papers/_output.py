@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import csv
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from ..errors import AgrikError
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PNG_DPI = 130
+_KeyT = TypeVar("_KeyT", bound=Hashable)
 
 
 def figure(width: float, height: float) -> Figure:
@@ -59,3 +60,20 @@ def best_seconds(work: Callable[[], object], repeats: int = 5) -> float:
         work()
         times.append(time.perf_counter() - start)
     return min(times)
+
+
+def seconds_in_turns(
+    works: Mapping[_KeyT, Callable[[], object]], rounds: int = 30
+) -> dict[_KeyT, float]:
+    """Return the least processor time of each of several calls, s.
+
+    Every round runs all of them, so that a busy machine slows all alike; only what the
+    calling thread itself does is counted.
+    """
+    least = dict.fromkeys(works, float("inf"))
+    for _ in range(rounds):
+        for key, work in works.items():
+            start = time.thread_time()
+            work()
+            least[key] = min(least[key], time.thread_time() - start)
+    return least

@@ -41,7 +41,7 @@ from ._hydrolek_published import (
     TABLE_2_MS,
     TOLERANCES_M,
 )
-from ._output import best_seconds, write_csv, write_text
+from ._output import seconds_in_turns, write_csv, write_text
 
 __all__ = ["comparison", "error_trace", "planar_arm", "reproduce", "success_counts"]
 
@@ -123,8 +123,8 @@ def comparison(robot: Robot, goals: FloatArray, start: str) -> list[list[object]
 
     Columns: method, tolerance (m), goals reached, goals left after those that some method
     misses at some tolerance are removed, mean iterations on these, kinematics evaluations
-    (FK and FK with Jacobian), us a solve on one thread, its ratio to the closed-form
-    pseudo-inverse and to the one by SVD, and the published ms and ratio.
+    (FK and FK with Jacobian), us of processor time a solve on one thread, its ratio to the
+    closed-form pseudo-inverse and to the one by SVD, and the published ms and ratio.
     """
     q0 = _start(robot, start)
     runs = {}
@@ -137,14 +137,19 @@ def comparison(robot: Robot, goals: FloatArray, start: str) -> list[list[object]
             runs[name, tolerance] = answer
             common &= answer.success
     kept = goals[common]
-    times = {}
-    for name, (solver, _) in methods().items():
-        for tolerance in TOLERANCES_M:
-            chosen = plain(solver, start)
-            work = partial(
-                robot.ik, kept, solver=chosen, q0=q0, position_tolerance=tolerance, threads=1
-            )
-            times[name, tolerance] = best_seconds(work) / max(len(kept), 1) * 1e6
+    works = {
+        (name, tolerance): partial(
+            robot.ik,
+            kept,
+            solver=plain(solver, start),
+            q0=q0,
+            position_tolerance=tolerance,
+            threads=1,
+        )
+        for name, (solver, _) in methods().items()
+        for tolerance in TOLERANCES_M
+    }
+    times = {key: 1e6 * t / max(len(kept), 1) for key, t in seconds_in_turns(works).items()}
     rows: list[list[object]] = []
     for name, (solver, line) in methods().items():
         for i, tolerance in enumerate(TOLERANCES_M):
@@ -230,7 +235,12 @@ def units(robot: Robot) -> list[list[object]]:
 
 
 def error_trace(
-    robot: Robot, solver: Feedback, goal: FloatArray, start: str, steps: int, tolerance: float
+    robot: Robot,
+    solver: JacobianSolver | Feedback,
+    goal: FloatArray,
+    start: str,
+    steps: int,
+    tolerance: float,
 ) -> FloatArray:
     """Return the error after 0, 1, 2, ... steps of one solve, m; ends where it ends."""
     q0 = _start(robot, start)

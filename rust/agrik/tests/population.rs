@@ -4,7 +4,7 @@
 mod common;
 
 use agrik::batch;
-use agrik::chain::{Chain, DhConvention, DhRow, Joint, JointKind};
+use agrik::chain::{Chain, DhConvention, DhRow, Joint, JointKind, Reach};
 use agrik::kinematics::Workspace;
 use agrik::lanes::{Kernel, Level, Real, dispatch};
 use agrik::solve::population::{
@@ -181,6 +181,26 @@ fn unreachable_and_broken_targets_are_told_apart() {
     assert_eq!((answers.restarts[0], answers.restarts[2]), (0, 0));
     assert!(answers.position_error[2].is_infinite());
     assert!(answers.q.chunks_exact(7).all(|q| chain.within_limits(q)));
+}
+
+#[test]
+fn a_wrist_too_near_for_the_elbow_is_out_of_reach() {
+    let chain = redundant7();
+    let wrist = Reach::of_last_joint(chain.compiled(), chain.variables()).expect("a wrist");
+    // Two lengths of 400 mm, and an elbow that folds to 60 degrees.
+    assert!((wrist.inner_radius - 0.4).abs() < 1e-9 && (wrist.radius - 0.8).abs() < 1e-9);
+    assert!((chain.reach().inner_radius - (0.4 - 0.126)).abs() < 1e-9);
+    // An upright tool above the shoulder, which is 340 mm high.
+    let upright = |distance: f64| {
+        let mut pose = [0.0; 16];
+        (pose[0], pose[5], pose[10], pose[15]) = (1.0, 1.0, 1.0, 1.0);
+        pose[11] = 0.34 + distance + 0.126;
+        pose
+    };
+    let poses = [0.2, 0.399, 0.401, 0.799, 0.801].map(upright);
+    let answers = solve(&chain, &poses, Settings::DIFFERENTIAL, 1);
+    let told: Vec<bool> = answers.status.iter().map(|s| *s == Status::OutOfReach as u8).collect();
+    assert_eq!(told, [true, true, false, false, true]);
 }
 
 #[test]

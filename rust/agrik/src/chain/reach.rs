@@ -2,8 +2,9 @@
 //!
 //! Two bounds hold for every `q` inside the limits: a sphere about the first joint whose
 //! radius is the sum of the lengths (triangle inequality), with an inner radius where one
-//! length exceeds all others together, and a box from interval arithmetic. A target
-//! outside either is out of reach; a target inside both may still be.
+//! length exceeds all others together, and a box from interval arithmetic. What counts as
+//! one length is also the distance across an elbow, which its limits keep from closing. A
+//! target outside either is out of reach; a target inside both may still be.
 
 use super::{Compiled, Tail, Twist, Variable};
 use crate::lanes::hypotenuse;
@@ -73,11 +74,40 @@ impl Reach {
     }
 }
 
+/// The way from one joint to the next one, in the turned frame of the first.
+#[derive(Debug, Clone, Copy)]
+struct Piece {
+    side: [f64; 2],
+    /// Along the joint's axis.
+    ahead: Interval,
+}
+
+impl Piece {
+    fn longest(&self) -> f64 {
+        let ahead = self.ahead.lower.abs().max(self.ahead.upper.abs());
+        hypotenuse(hypotenuse(self.side[0], self.side[1]), ahead)
+    }
+
+    fn shortest(&self) -> f64 {
+        let ahead = if self.ahead.lower <= 0.0 && self.ahead.upper >= 0.0 {
+            0.0
+        } else {
+            self.ahead.lower.abs().min(self.ahead.upper.abs())
+        };
+        hypotenuse(hypotenuse(self.side[0], self.side[1]), ahead)
+    }
+
+    /// The way where no slide changes it.
+    fn rigid(&self) -> Option<[f64; 3]> {
+        let Interval { lower, upper } = self.ahead;
+        (lower == upper).then_some([self.side[0], self.side[1], lower])
+    }
+}
+
 /// The sphere: centre, radius, inner radius.
 fn sphere(chain: &Compiled, limits: &[Interval], point: [f64; 3]) -> ([f64; 3], f64, f64) {
     let mut center = chain.start_position;
-    // Largest and smallest length of each rigid piece between two joints.
-    let mut pieces: Vec<(f64, f64)> = Vec::new();
+    let mut pieces: Vec<Piece> = Vec::new();
     let last = chain.links.len() - 1;
     for (i, link) in chain.links.iter().enumerate() {
         let along = if link.prismatic {
@@ -86,9 +116,9 @@ fn sphere(chain: &Compiled, limits: &[Interval], point: [f64; 3]) -> ([f64; 3], 
             Interval::point(link.d)
         };
         let (ahead, side) = if i == last {
-            (along.add(Interval::point(point[2])), hypotenuse(point[0], point[1]))
+            (along.add(Interval::point(point[2])), [point[0], point[1]])
         } else {
-            (along, hypotenuse(link.a, link.b))
+            (along, [link.a, link.b])
         };
         // The first joint's axis stands still: move the centre along it to the middle.
         let ahead = if i == 0 {
@@ -100,17 +130,53 @@ fn sphere(chain: &Compiled, limits: &[Interval], point: [f64; 3]) -> ([f64; 3], 
         } else {
             ahead
         };
-        let far = ahead.lower.abs().max(ahead.upper.abs());
-        let near = if ahead.lower <= 0.0 && ahead.upper >= 0.0 {
-            0.0
-        } else {
-            ahead.lower.abs().min(ahead.upper.abs())
-        };
-        pieces.push((hypotenuse(side, far), hypotenuse(side, near)));
+        pieces.push(Piece { side, ahead });
     }
-    let radius: f64 = pieces.iter().map(|p| p.0).sum();
-    let inner = pieces.iter().map(|p| p.1 - (radius - p.0)).fold(0.0, f64::max);
-    (center, radius, inner)
+    let radius: f64 = pieces.iter().map(Piece::longest).sum();
+    let alone = pieces.iter().map(|p| p.shortest() - (radius - p.longest()));
+    let elbows = (1..pieces.len()).filter_map(|joint| {
+        let (distance, longest) = across(chain, limits, &pieces, joint)?;
+        Some(distance - (radius - longest))
+    });
+    (center, radius, alone.chain(elbows).fold(0.0, f64::max))
+}
+
+/// The least distance across a turning joint, from the joint before it to the one after,
+/// and the sum of the lengths that this takes the place of. Where the next piece lies along
+/// its own axis, which the turn of its joint does not move, it counts as well.
+fn across(
+    chain: &Compiled,
+    limits: &[Interval],
+    pieces: &[Piece],
+    joint: usize,
+) -> Option<(f64, f64)> {
+    let (link, before) = (&chain.links[joint], &chain.links[joint - 1]);
+    if link.prismatic {
+        return None;
+    }
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let from = pieces[joint - 1].rigid()?;
+    let from = axes_after(before.twist).map(|axis| dot(axis, from));
+    let mut to = pieces[joint].rigid()?;
+    let mut longest = pieces[joint - 1].longest() + pieces[joint].longest();
+    if let Some(next) = pieces.get(joint + 1)
+        && let Some([0.0, 0.0, ahead]) = next.rigid()
+    {
+        let axis = axes_after(link.twist)[2];
+        for (x, z) in to.iter_mut().zip(axis) {
+            *x += z * ahead;
+        }
+        longest += next.longest();
+    }
+    // The square of the distance is a constant and a cosine of the joint's angle.
+    let (cosine, sine) = (from[0] * to[0] + from[1] * to[1], from[1] * to[0] - from[0] * to[1]);
+    let angle = limits[link.variable].scale(link.multiplier).add(Interval::point(link.theta));
+    let swing = hypotenuse(cosine, sine) * angle.cos_shifted(sine.atan2(cosine)).lower;
+    let size = dot(from, from) + dot(to, to);
+    let squared = size + 2.0 * (from[2] * to[2] + swing);
+    // A root would make rounding large where the elbow folds.
+    let sure = squared - 64.0 * f64::EPSILON * size;
+    Some((sure.max(0.0).sqrt(), longest))
 }
 
 /// The box, by interval arithmetic over the limits.
@@ -136,13 +202,7 @@ fn bounding_box(chain: &Compiled, limits: &[Interval], point: [f64; 3]) -> ([f64
             p[k] = p[k].add(z[k].mul(along)).add(x[k].scale(a)).add(y[k].scale(b));
         }
         if i < last {
-            let [tx, ty, tz] = match link.twist {
-                Twist::Full(columns) => columns,
-                Twist::Zero => twist_columns(0.0, 1.0),
-                Twist::Half => twist_columns(0.0, -1.0),
-                Twist::Quarter => twist_columns(1.0, 0.0),
-                Twist::Angle(sine, cosine) => twist_columns(sine, cosine),
-            };
+            let [tx, ty, tz] = axes_after(link.twist);
             let column = |t: [f64; 3]| {
                 combine(&[
                     (x, Interval::point(t[0])),
@@ -154,6 +214,17 @@ fn bounding_box(chain: &Compiled, limits: &[Interval], point: [f64; 3]) -> ([f64
         }
     }
     (p.map(|i| i.lower), p.map(|i| i.upper))
+}
+
+/// Axes of the next joint's frame in the turned frame of the one before.
+fn axes_after(twist: Twist) -> [[f64; 3]; 3] {
+    match twist {
+        Twist::Full(columns) => columns,
+        Twist::Zero => twist_columns(0.0, 1.0),
+        Twist::Half => twist_columns(0.0, -1.0),
+        Twist::Quarter => twist_columns(1.0, 0.0),
+        Twist::Angle(sine, cosine) => twist_columns(sine, cosine),
+    }
 }
 
 /// Columns of a rotation about x.

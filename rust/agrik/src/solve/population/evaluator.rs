@@ -202,11 +202,17 @@ impl<R: Real> Population<R> {
         0
     }
 
-    /// The individuals from best to worst; equals in their order.
-    pub fn ranked(&self, order: &mut Vec<usize>) {
+    /// The best individuals, as many as asked for, from best to worst; equals in their order.
+    pub fn ranked(&self, count: usize, order: &mut Vec<usize>) {
         order.clear();
         order.extend(0..self.size);
-        order.sort_by(|a, b| self.cost_of(*a).total_cmp(&self.cost_of(*b)));
+        let rank =
+            |a: &usize, b: &usize| self.cost_of(*a).total_cmp(&self.cost_of(*b)).then(a.cmp(b));
+        if count < self.size {
+            order.select_nth_unstable_by(count, rank);
+            order.truncate(count);
+        }
+        order.sort_unstable_by(rank);
     }
 }
 

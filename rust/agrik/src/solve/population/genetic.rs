@@ -78,9 +78,9 @@ impl Genetic {
     ) {
         let dof = population.dof;
         let (mut a, mut b) = (vec![0.0; dof], vec![0.0; dof]);
-        population.ranked(order);
         let mut made = self.elites as usize;
-        for (i, &elite) in order[..made].iter().enumerate() {
+        population.ranked(made, order);
+        for (i, &elite) in order.iter().enumerate() {
             population.read(elite, &mut a);
             children.write(i, &a);
         }

@@ -2,7 +2,7 @@
 //! brought success, an archive of replaced individuals, a population that shrinks.
 
 use super::differential::Differential;
-use super::evaluator::{Fitness, Population};
+use super::evaluator::{Fitness, Gene, Population, Range};
 use super::progress::End;
 use super::random::Stream;
 use super::run::Run;
@@ -78,6 +78,7 @@ pub(super) fn run<R: Real, F: Fitness<R>>(
     let mut successes = Vec::new();
     let (mut x, mut goal, mut a, mut b) =
         (vec![0.0; dof], vec![0.0; dof], vec![0.0; dof], vec![0.0; dof]);
+    let ranges: Vec<Range<f64>> = run.genes.iter().map(Gene::range).collect();
     let mut evaluations = first as u64;
     loop {
         if let Err(end) = run.best() {
@@ -86,10 +87,10 @@ pub(super) fn run<R: Real, F: Fitness<R>>(
         if evaluations >= budget {
             return End::Generations;
         }
-        let Run { genes, evaluator, population, stream, progress, .. } = &mut run;
+        let Run { evaluator, population, stream, progress, .. } = &mut run;
         let size = population.size;
-        population.ranked(&mut order);
         let top = ((TOP * size as f64).round() as usize).max(2);
+        population.ranked(top, &mut order);
         trial.resize(size);
         tried.clear();
         for i in 0..size {
@@ -108,10 +109,13 @@ pub(super) fn run<R: Real, F: Fitness<R>>(
                 b.copy_from_slice(&archive[from..from + dof]);
             }
             let forced = stream.below(dof);
-            for g in 0..dof {
+            let others = goal.iter().zip(&a).zip(&b);
+            for (g, ((x, range), ((goal, a), b))) in
+                x.iter_mut().zip(&ranges).zip(others).enumerate()
+            {
                 if g == forced || stream.uniform() < rate {
-                    let mutant = x[g] + weight * (goal[g] - x[g]) + weight * (a[g] - b[g]);
-                    x[g] = settings.boundary.apply(mutant, &genes[g].range(), stream);
+                    let mutant = *x + weight * (goal - *x) + weight * (a - b);
+                    *x = settings.boundary.apply(mutant, range, stream);
                 }
             }
             trial.write(i, &x);
@@ -150,11 +154,13 @@ fn shrink<R: Real>(population: &mut Population<R>, size: usize, order: &mut Vec<
     if size >= population.size {
         return;
     }
-    population.ranked(order);
-    let mut kept: Vec<usize> = order[..size].to_vec();
-    kept.sort_unstable();
+    population.ranked(size, order);
+    order.sort_unstable();
     let mut q = vec![0.0; population.dof];
-    for (to, from) in kept.into_iter().enumerate() {
+    for (to, &from) in order.iter().enumerate() {
+        if to == from {
+            continue;
+        }
         population.read(from, &mut q);
         let cost = population.cost_of(from);
         population.write(to, &q);

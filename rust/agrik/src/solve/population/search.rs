@@ -221,7 +221,7 @@ impl<'e, R: Real> Search<'e, R> {
                 outcome.status = if stuck { Status::Stalled } else { Status::NotFound };
             }
             outcome.iterations += progress.generations;
-            self.population.ranked(&mut self.order);
+            self.population.ranked(POLISHED, &mut self.order);
             let best = self.order[0];
             self.population.read(best, &mut self.q);
             self.consider(&goal, start);

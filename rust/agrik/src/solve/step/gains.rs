@@ -130,6 +130,9 @@ impl Pid {
         literal: false,
         full_passes: false,
     };
+    /// The published gains without the integral one, which keeps steps from getting shorter
+    /// than some hundredths of a millimetre.
+    pub const FINE: Self = Self { integral: 0.0, ..Self::PUBLISHED };
 
     pub(super) fn check(&self) -> Result<()> {
         for (name, value) in [

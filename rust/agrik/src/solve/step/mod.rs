@@ -163,9 +163,9 @@ impl Settings {
         start: StartRule::Sampled,
         pace: Pace::Full,
     };
-    /// IK-PID with the published gains, 0.012, 1e-7 and 0.08 degrees per mm.
+    /// IK-PID with the published gains but the integral one.
     pub const IK_PID: Self = Self {
-        step: Step::IkPid(Pid::PUBLISHED),
+        step: Step::IkPid(Pid::FINE),
         max_iterations: 1000,
         max_restarts: 20,
         max_step: 1.0,
