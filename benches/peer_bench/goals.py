@@ -130,6 +130,11 @@ def _closed(results: dict[str, Any]) -> list[Row]:
                     "single_ratio",
                     CLOSED_SINGLE_RATIO_P6,
                 ),
+                (
+                    "every branch, single calls in a row: EAIK's mean / ours",
+                    "in_a_row_ratio",
+                    CLOSED_SINGLE_RATIO_P6,
+                ),
             ):
                 rows += _ratio(f"P6 {name}", ("eaik", eaik[key]), least)
             same = eaik["same_count"]

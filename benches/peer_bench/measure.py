@@ -29,10 +29,12 @@ class Samples:
     cpu_us: list[list[float]] = field(default_factory=list)
     wall_us: list[list[float]] = field(default_factory=list)
     ok: list[bool] = field(default_factory=list)
+    in_a_row_us: list[list[float]] = field(default_factory=list)
 
     def begin_repeat(self) -> None:
         self.cpu_us.append([])
         self.wall_us.append([])
+        self.in_a_row_us.append([])
 
     def add(self, answer: dict[str, Any]) -> None:
         self.cpu_us[-1] += [value / 1e3 for value in answer["cpu_ns"]]
@@ -40,7 +42,12 @@ class Samples:
         if len(self.cpu_us) == 1:
             self.ok += answer["ok"]
 
+    def add_in_a_row(self, answer: dict[str, Any]) -> None:
+        self.in_a_row_us[-1].append(answer["cpu_ns"] / 1e3)
+
     def per_repeat(self, statistic: str) -> Array:
+        if statistic == "in_a_row":
+            return np.array([np.mean(row) for row in self.in_a_row_us])
         rows: Array = np.array(self.cpu_us)
         if statistic == "mean":
             return np.asarray(rows.mean(axis=1))
@@ -50,6 +57,8 @@ class Samples:
         out: dict[str, Any] = {
             key: float(np.median(self.per_repeat(key))) for key in ("median", "mean", "p99")
         }
+        if any(self.in_a_row_us):
+            out["in_a_row"] = float(np.median(self.per_repeat("in_a_row")))
         return {**out, "success": float(np.mean(self.ok)), "n": len(self.ok)}
 
 
@@ -102,12 +111,21 @@ def solve_table(
                         batches[name].append(ours.ask("batch", count=plan.batch_count, threads=1))
                 if name in able:
                     peers[name].add(able[name].ask("solve", begin=begin, end=end))
+                if what == "closed_form":
+                    # Calls as short as these are disturbed by the clock around each.
+                    if ours is not None:
+                        answer = ours.ask("in_a_row", begin=begin, end=end)
+                        beside[name].add_in_a_row(answer)
+                    if name in able:
+                        answer = able[name].ask("in_a_row", begin=begin, end=end)
+                        peers[name].add_in_a_row(answer)
 
     table: dict[str, dict[str, Any]] = {}
     if ours is not None:
         pooled = Samples(
             cpu_us=[row for item in beside.values() for row in item.cpu_us],
             ok=next(iter(beside.values())).ok,
+            in_a_row_us=[row for item in beside.values() for row in item.in_a_row_us],
         )
         table[OURS] = {**pooled.summary(), "settings": opened[OURS]["settings"]}
         every = [answer for answers in batches.values() for answer in answers]
@@ -128,6 +146,10 @@ def solve_table(
             row["single_mean_ratio"] = _ratio(
                 samples.per_repeat("mean"), beside[name].per_repeat("mean")
             )
+            if what == "closed_form":
+                row["in_a_row_ratio"] = _ratio(
+                    samples.per_repeat("in_a_row"), beside[name].per_repeat("in_a_row")
+                )
             if batches[name]:
                 batch_us = np.array([answer["cpu_ns"] for answer in batches[name]]) / 1e3
                 row["batch_ratio"] = _ratio(samples.per_repeat("mean"), batch_us)

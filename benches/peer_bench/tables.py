@@ -79,7 +79,8 @@ def closed_form_rows(tables: dict[str, dict[str, dict[str, Any]]]) -> str:
     """Every branch of each pose: single calls, our batch, and how many branches there are."""
     header = [
         "robot", "library", "success", "branches a pose", "same count as ours", "single median us",
-        "single mean us", "batch us", "single: median/ours", "mean/our batch",
+        "single mean us", "in a row us", "batch us", "single: median/ours", "in a row/ours",
+        "mean/our batch",
     ]  # fmt: skip
     rows = []
     for robot, table in tables.items():
@@ -89,7 +90,8 @@ def closed_form_rows(tables: dict[str, dict[str, dict[str, Any]]]) -> str:
                 [
                     robot, name, percent(row["success"]), number(row["branches"]),
                     percent(row["same_count"]), number(row["median"]), number(row["mean"]),
-                    number(row.get("batch", {}).get("mean")), times(row.get("single_ratio")),
+                    number(row.get("in_a_row")), number(row.get("batch", {}).get("mean")),
+                    times(row.get("single_ratio")), times(row.get("in_a_row_ratio")),
                     times(row.get("batch_ratio")),
                 ]
             )  # fmt: skip

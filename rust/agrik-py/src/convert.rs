@@ -21,7 +21,7 @@ const RIGID: f64 = 1e-6;
 const ROUNDING: f64 = 1e-14;
 /// Arrays of at most this many numbers are handed to Python as copies, which is quicker
 /// than handing over the memory.
-const SMALL: usize = 512;
+pub const SMALL: usize = 512;
 /// Numbers that a thread copies at a time.
 const PIECE: usize = 1 << 14;
 
@@ -241,6 +241,16 @@ pub fn real(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     number.ok_or_else(|| errors::value(argument, value, "a number"))
 }
 
+/// An array for Python that holds a copy of numbers in C order.
+pub fn copied<'py, T: Element + Copy>(
+    py: Python<'py>,
+    shape: &[usize],
+    values: &[T],
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+    let view = ArrayView::from_shape(shape.into_dimension(), values).map_err(internal)?;
+    Ok(PyArray::from_array(py, &view))
+}
+
 /// An array for Python out of numbers in C order.
 pub fn array<'py, T: Element + Copy>(
     py: Python<'py>,
@@ -249,8 +259,7 @@ pub fn array<'py, T: Element + Copy>(
 ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     let shape: IxDyn = shape.into_dimension();
     if shape.size() <= SMALL {
-        let view = ArrayView::from_shape(shape, &values).map_err(internal)?;
-        return Ok(PyArray::from_array(py, &view));
+        return copied(py, shape.slice(), &values);
     }
     let owned = numpy::ndarray::Array::from_shape_vec(shape, values).map_err(internal)?;
     Ok(PyArray::from_owned_array(py, owned))

@@ -7,7 +7,7 @@ use numpy::{Element, PyArrayDyn};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-use crate::convert::array;
+use crate::convert::{SMALL, array, copied};
 
 /// Numbers that become an array, once, by handing over their memory.
 pub(crate) struct Column<T> {
@@ -33,23 +33,35 @@ impl<T: Element + Copy> Column<T> {
         py: Python<'py>,
         shape: &[usize],
     ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
-        self.get_or(py, || {
+        if shape.iter().product::<usize>() <= SMALL {
+            return self.get_or(py, || {
+                let locked = self.values.lock().unwrap_or_else(PoisonError::into_inner);
+                copied(py, shape, &locked)
+            });
+        }
+        let made = self.array.get_or_try_init(py, || {
             // The lock is let go before Python runs.
             let mut locked = self.values.lock().unwrap_or_else(PoisonError::into_inner);
             let values = std::mem::take(&mut *locked);
             drop(locked);
-            array(py, shape, values)
-        })
+            array(py, shape, values).map(Bound::unbind)
+        });
+        Ok(made?.bind(py).clone())
     }
 
-    /// The array, made by `make` where it has not been yet.
+    /// The array, made by `make` where it has not been yet. Two threads may both make it, and
+    /// one is kept: to wait for the other, the interpreter would have to be let go each time.
     pub(crate) fn get_or<'py>(
         &self,
         py: Python<'py>,
         make: impl FnOnce() -> PyResult<Bound<'py, PyArrayDyn<T>>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
-        let made = self.array.get_or_try_init(py, || Ok::<_, PyErr>(make()?.unbind()))?;
-        Ok(made.bind(py).clone())
+        if let Some(made) = self.array.get(py) {
+            return Ok(made.bind(py).clone());
+        }
+        let made = make()?;
+        let _ = self.array.set(py, made.clone().unbind());
+        Ok(self.array.get(py).map_or(made, |kept| kept.bind(py).clone()))
     }
 }
 

@@ -72,6 +72,9 @@ pub fn lone_pose(value: &Bound<'_, PyAny>) -> Option<[f64; 16]> {
     if array.dims() != numpy::Ix2(4, 4) || !array.is_aligned() {
         return None;
     }
+    if array.is_c_contiguous() {
+        return array.to_vec().ok()?.try_into().ok();
+    }
     let mut pose = [0.0; 16];
     for (i, x) in pose.iter_mut().enumerate() {
         *x = array.get_owned([i / 4, i % 4])?;
