@@ -158,7 +158,7 @@ def run_ours(task: str, workers: dict[str, Process], chosen: argparse.Namespace)
         pair = (Process(LIBRARIES[OURS], -1), Process(LIBRARIES[OURS], -1))
         counts = tuple(dict.fromkeys((1, 2, machine.available_cores())))
         out = {
-            robot: measure.thread_table(pair, robot, chosen.batch_n, chosen.repeats + 2, counts)
+            robot: measure.thread_table(pair, robot, chosen.batch_n, 5 * chosen.repeats, counts)
             for robot in chosen.robots
         }
         for free in pair:

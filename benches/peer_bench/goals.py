@@ -151,11 +151,16 @@ def _threads(results: dict[str, Any]) -> list[Row]:
     rows: list[Row] = []
     for robot, table in results.get("threads", {}).items():
         if "2" in table:
-            value = table["2"]["over_first"]
-            name = f"{robot} pose, 2 threads over 1"
-            ceiling = times(table[TWO_PROCESSES]["over_first"])
-            got = f"{times(value)} (two separate processes: {ceiling})"
-            rows.append((name, f">= {THREADS_RATIO:g}x", got, value >= THREADS_RATIO))
+            row = table["2"]
+            value = row["while_free"]
+            name = f"{robot} pose, 2 threads over 1, while 2 processors are free"
+            ceiling = times(table[TWO_PROCESSES]["while_free"])
+            got = (
+                f"{times(value)} in {row['free_repeats']} of {row['repeats']} repeats "
+                f"(two separate processes: {ceiling}; best rates: {times(row['over_first'])})"
+            )
+            met = value is not None and value >= THREADS_RATIO
+            rows.append((name, f">= {THREADS_RATIO:g}x", got, met))
     return rows
 
 

@@ -18,8 +18,12 @@ from .libraries import OURS, Process
 
 Array = npt.NDArray[np.float64]
 
-# Row of `thread_table` that says what the machine can do at most.
+# Row of `thread_table` that says what two processes of ours do at most.
 TWO_PROCESSES = "2 processes"
+# Two processors count as free while two processes get so many times the matrix products of one:
+# two processors of a virtual machine may be halves of one, at times.
+FREE = 1.9
+PRODUCT_SECONDS = 0.1
 
 
 @dataclass
@@ -196,17 +200,22 @@ def thread_table(
 ) -> dict[str, dict[str, Any]]:
     """Wall-clock targets a second of one batch call, by thread count, in turns.
 
-    The best of the repeats counts: wall time only ever grows by what else the machine does.
-    `cores` is CPU time over wall time of that repeat; less than the threads asked for means that
-    the cores were not free (or the call did not use them). The last row is the ceiling of the
-    machine: two processes at once, with one thread and nothing in common.
+    The best of the repeats counts for rates: wall time only ever grows by what else the machine
+    does. `cores` is CPU time over wall time of that repeat; less than the threads asked for means
+    that the cores were not free (or the call did not use them). The last row has two processes of
+    ours at once, with one thread and nothing in common.
+
+    Each repeat also counts the matrix products of one process and of two at once. `while_free` is
+    the median ratio to one thread over the repeats in which the processors were free by that.
     """
     worker = workers[0]
     for each in workers:
         each.ask("open", robot=robot, count=10, position_only_m=None)
     seen: dict[str, list[dict[str, Any]]] = {str(number): [] for number in threads}
     seen[TWO_PROCESSES] = []
+    free: list[float] = []
     for _ in range(repeats):
+        free.append(_free_processors(workers))
         for number in threads:
             seen[str(number)].append(worker.ask("batch", count=batch_count, threads=number))
         for each in workers:
@@ -231,9 +240,27 @@ def thread_table(
             "n": answers[0]["n"],
         }
     first = table[str(threads[0])]["targets_per_second"]
-    for row in table.values():
+    once = seen[str(threads[0])]
+    were_free = [share >= FREE for share in free]
+    for name, row in table.items():
         row["over_first"] = row["targets_per_second"] / first
+        row["products"] = float(np.median(free))
+        row["free_repeats"], row["repeats"] = sum(were_free), repeats
+        ratios = [
+            alone["wall_ns"] / answer["wall_ns"]
+            for alone, answer, was_free in zip(once, seen[name], were_free, strict=True)
+            if was_free
+        ]
+        row["while_free"] = float(np.median(ratios)) if ratios else None
     return table
+
+
+def _free_processors(workers: tuple[Process, Process]) -> float:
+    """Matrix products of two processes at once over those of one."""
+    alone = workers[0].ask("products", seconds=PRODUCT_SECONDS)["rate"]
+    for each in workers:
+        each.send("products", seconds=PRODUCT_SECONDS)
+    return float(sum(each.receive()["rate"] for each in workers) / alone)
 
 
 def simd_table(

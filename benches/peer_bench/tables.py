@@ -125,6 +125,9 @@ def thread_rows(tables: dict[str, dict[str, dict[str, Any]]]) -> str:
         "threads",
         "targets/s (wall)",
         "over 1 thread",
+        "the same while 2 processors are free",
+        "free repeats",
+        "2 processes' matrix products over 1's",
         "cores got",
         "CPU us/target",
         "success",
@@ -132,7 +135,9 @@ def thread_rows(tables: dict[str, dict[str, dict[str, Any]]]) -> str:
     rows = [
         [
             robot, threads, number(row["targets_per_second"], 6), f"{row['over_first']:.2f}x",
-            f"{row['cores']:.2f}", number(row["cpu_us"]), percent(row["success"]),
+            times(row["while_free"]), f"{row['free_repeats']} of {row['repeats']}",
+            f"{row['products']:.2f}x", f"{row['cores']:.2f}", number(row["cpu_us"]),
+            percent(row["success"]),
         ]
         for robot, table in tables.items()
         for threads, row in table.items()
