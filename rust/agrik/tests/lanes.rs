@@ -29,9 +29,9 @@ const SPECIAL: [f64; 20] = [
     f64::NAN,
 ];
 
-/// Miri is some thousand times slower.
-const RANDOM: usize = if cfg!(miri) { 40 } else { 200_000 };
-const STEP: usize = if cfg!(miri) { 7 } else { 1 };
+/// Miri is some thousand times slower, and looks at what is done to memory, not at numbers.
+const RANDOM: usize = if cfg!(miri) { 16 } else { 200_000 };
+const STEP: usize = if cfg!(miri) { 61 } else { 1 };
 
 fn available() -> Vec<Level> {
     Level::ALL.into_iter().filter(|level| level.is_available()).collect()
