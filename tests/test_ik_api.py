@@ -3,6 +3,8 @@
 import os
 import subprocess
 import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields
 
 import numpy as np
@@ -368,3 +370,27 @@ def test_the_environment_sets_the_threads(text, number):
     cores = int(outputs[0])
     assert cores >= 1
     assert int(outputs[1]) == (cores if number is None else number)
+
+
+def test_threads_that_read_a_result_at_once_get_the_same_arrays(load_robot):
+    arm = load_robot("puma560")
+    targets = arm.fk(arm.random_q(300, seed=4))
+    switch = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        # Arrays of a few numbers are copied, those of many handed over.
+        for count in (1, 2, 300) * 60:
+            result, branches = arm.ik(targets[:count]), arm.ik_all(targets[count - 1])
+            barrier = threading.Barrier(3)
+
+            def read(result=result, branches=branches, barrier=barrier):
+                barrier.wait()
+                return result.q, result.status, result.success, branches.q, branches.valid
+
+            with ThreadPoolExecutor(3) as pool:
+                first, *others = [job.result() for job in [pool.submit(read) for _ in range(3)]]
+            for other in others:
+                assert all(a is b for a, b in zip(first, other, strict=True))
+            assert first[0].shape == (count, 6)
+    finally:
+        sys.setswitchinterval(switch)
