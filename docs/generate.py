@@ -21,6 +21,12 @@ FIELD_ROBOTS = ("strawberry", "cucumber", "hydrolek", "tomato", "redundant7")
 SAMPLES = 4000
 
 
+def save(figure: plt.Figure, file: Path, **options: float) -> None:
+    """Write a picture, the same bytes every time."""
+    figure.savefig(file, metadata={"Date": None}, **options)
+    plt.close(figure)
+
+
 def draw_reach(file: Path) -> None:
     """Draw where the tool points of random joint vectors lie, seen from the side."""
     figure, axes = plt.subplots(1, len(FIELD_ROBOTS), figsize=(15, 3.6), layout="constrained")
@@ -32,8 +38,7 @@ def draw_reach(file: Path) -> None:
         axis.set_xlabel("x [m]")
         axis.set_aspect("equal", adjustable="datalim")
     axes[0].set_ylabel("z [m]")
-    figure.savefig(file, dpi=120, metadata={"Date": None})
-    plt.close(figure)
+    save(figure, file, dpi=120)
 
 
 def draw_arm_angles(file: Path) -> None:
@@ -51,8 +56,7 @@ def draw_arm_angles(file: Path) -> None:
     axis.set_yticks(range(8))
     axis.set_xlabel("arm angle [degrees]")
     axis.set_ylabel("branch")
-    figure.savefig(file, metadata={"Date": None})
-    plt.close(figure)
+    save(figure, file)
 
 
 def draw_branches(file: Path) -> None:
@@ -104,8 +108,7 @@ def draw_branches(file: Path) -> None:
         axis.set_ylabel("y [m]", fontsize=8)
         axis.set_zlabel("z [m]", fontsize=8)
     figure.subplots_adjust(left=0.01, right=0.96, bottom=0.13, top=0.93, wspace=0.05)
-    figure.savefig(file, metadata={"Date": None})
-    plt.close(figure)
+    save(figure, file)
 
 
 def draw_laws(folder: Path) -> None:
@@ -135,8 +138,7 @@ def draw_laws(folder: Path) -> None:
         axis.set_xlabel("steps (sweeps of all joints)")
         axis.set_ylabel("error [mm]")
         axis.legend()
-        figure.savefig(folder / f"{page}.svg", metadata={"Date": None})
-        plt.close(figure)
+        save(figure, folder / f"{page}.svg")
 
 
 def draw_tuning(file: Path) -> None:
@@ -154,8 +156,7 @@ def draw_tuning(file: Path) -> None:
     axis.set_xlabel("steps")
     axis.set_ylabel("goals of 1,000 reached by then")
     axis.legend()
-    figure.savefig(file, metadata={"Date": None})
-    plt.close(figure)
+    save(figure, file)
 
 
 def draw_populations(folder: Path) -> None:
@@ -188,8 +189,7 @@ def draw_populations(folder: Path) -> None:
         axis.set_xlabel("generation")
         axis.set_ylabel("best cost, median of 30 [mm + 100 rad]")
         axis.legend()
-        figure.savefig(folder / f"{page}.svg", metadata={"Date": None})
-        plt.close(figure)
+        save(figure, folder / f"{page}.svg")
 
 
 def describe(name: str) -> str:

@@ -2,10 +2,10 @@
 
 use agrik::closed_form::{self, Alone, BRANCHES};
 use agrik::solve::Status;
-use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods};
+use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
-use crate::convert::internal;
+use crate::convert::copied;
 use crate::result::Column;
 
 /// Every branch of the targets of one `Robot.ik_all` call.
@@ -73,9 +73,9 @@ impl Branches {
 fn each<'py, T: numpy::Element + Copy>(
     py: Python<'py>,
     number: impl Fn(usize) -> T,
-) -> Bound<'py, PyArrayDyn<T>> {
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     let numbers: [T; BRANCHES] = std::array::from_fn(number);
-    PyArray1::from_slice(py, &numbers).to_dyn().clone()
+    copied(py, &[BRANCHES], &numbers)
 }
 
 #[pymethods]
@@ -86,10 +86,7 @@ impl Branches {
         let Some(one) = &self.alone else {
             return self.q.get(py, &self.with(&[BRANCHES, self.dof]));
         };
-        self.q.get_or(py, || {
-            let rows = numpy::ndarray::ArrayView::from_shape((BRANCHES, self.dof), one.q());
-            Ok(PyArray2::from_array(py, &rows.map_err(internal)?).to_dyn().clone())
-        })
+        self.q.get_or(py, || copied(py, &[BRANCHES, self.dof], one.q()))
     }
 
     /// Reached by forward kinematics, inside the limits, no branch twice.
@@ -97,7 +94,7 @@ impl Branches {
     fn valid<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<bool>>> {
         match &self.alone {
             None => self.valid.get(py, &self.with(&[BRANCHES])),
-            Some(one) => self.valid.get_or(py, || Ok(each(py, |b| one.valid(b)))),
+            Some(one) => self.valid.get_or(py, || each(py, |b| one.valid(b))),
         }
     }
 
@@ -106,7 +103,7 @@ impl Branches {
     fn reached<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<bool>>> {
         match &self.alone {
             None => self.reached.get(py, &self.with(&[BRANCHES])),
-            Some(one) => self.reached.get_or(py, || Ok(each(py, |b| one.reached(b)))),
+            Some(one) => self.reached.get_or(py, || each(py, |b| one.reached(b))),
         }
     }
 
@@ -115,7 +112,7 @@ impl Branches {
     fn singular<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
         match &self.alone {
             None => self.singular.get(py, &self.with(&[BRANCHES])),
-            Some(one) => self.singular.get_or(py, || Ok(each(py, |b| one.singular(b)))),
+            Some(one) => self.singular.get_or(py, || each(py, |b| one.singular(b))),
         }
     }
 
@@ -124,9 +121,7 @@ impl Branches {
     fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
         match &self.alone {
             None => self.status.get(py, &self.shape),
-            Some(one) => {
-                self.status.get_or(py, || crate::convert::array(py, &[], vec![one.status() as u8]))
-            }
+            Some(one) => self.status.get_or(py, || copied(py, &[], &[one.status() as u8])),
         }
     }
 

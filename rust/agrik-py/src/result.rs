@@ -9,7 +9,7 @@ use pyo3::sync::PyOnceLock;
 
 use crate::convert::{SMALL, array, copied};
 
-/// Numbers that become an array, once, by handing over their memory.
+/// Numbers that become an array, once: few of them as a copy, many by handing over their memory.
 pub(crate) struct Column<T> {
     values: Mutex<Vec<T>>,
     array: PyOnceLock<Py<PyArrayDyn<T>>>,

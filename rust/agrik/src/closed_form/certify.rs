@@ -40,15 +40,16 @@
 //! So that no call lasts for ever, the tolerance doubles with every [`PATIENCE`] pieces,
 //! and the one that holds at the end is returned.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use super::arm_angle::{Bent, limit_cuts};
 use super::candidates::JOINTS;
 use super::check::Limit;
 use super::choose::Choice;
+use super::costs::{Costs, Weight, turn};
 use super::srs::Srs;
 use super::turn::Meeting;
-use super::wheel::{Range, Spoke, Wheel, floor};
+use super::wheel::{Range, Spoke, Wheel};
 use crate::lanes::Real;
 
 /// How far the cost may be above the least one: rad^2, or shares (their squares).
@@ -57,8 +58,6 @@ pub const TOLERANCE: f64 = 1e-9;
 const PATIENCE: u32 = 20_000;
 /// Pieces below this length are not halved, rad.
 const SHORTEST: f64 = 1e-11;
-/// Share of the rounding past a limit ([`super::check::SLACK`]) that is made use of here.
-const HELD: f64 = 5e-11;
 /// Steps of a bracketed root.
 const STEPS: usize = 60;
 
@@ -97,58 +96,6 @@ impl Hunt<'_> {
     }
 }
 
-/// How a joint's value counts.
-#[derive(Debug, Clone, Copy)]
-struct Weight {
-    limit: Limit,
-    offset: f64,
-    centre: f64,
-    factor: f64,
-}
-
-impl Weight {
-    fn of(choice: Choice, limit: Limit, offset: f64, centre: f64) -> Self {
-        let (centre, factor) = match choice {
-            Choice::Nearest => (centre, 1.0),
-            Choice::Middle | Choice::Margin => (limit.middle, limit.shares()),
-        };
-        Self { limit, offset, centre, factor }
-    }
-
-    fn twice(&self) -> f64 {
-        2.0 * self.factor * self.factor
-    }
-
-    /// The least distance from the centre, weighed, of the values of a range (turns, before
-    /// the offset) and all that are whole turns away, inside the limits; infinite without
-    /// any. And the range as distances, where just one count of turns is possible.
-    fn least(&self, turns: Range) -> (f64, Option<Range>) {
-        let low = turns.low - self.offset;
-        let high = turns.high - self.offset;
-        let (from, to) = if self.limit.half == f64::INFINITY {
-            let nearest = |x: f64| floor((self.centre - x) * (1.0 / TAU) + 0.5);
-            (nearest(high), nearest(low))
-        } else {
-            let from = -floor((high - self.limit.lower + HELD) * (1.0 / TAU));
-            (from, floor((self.limit.upper + HELD - low) * (1.0 / TAU)))
-        };
-        let mut least = f64::INFINITY;
-        let mut only = None;
-        let mut k = from;
-        while k <= to {
-            let (a, b) = (low + k * TAU, high + k * TAU);
-            let (a, b) = (a.max(self.limit.lower), b.min(self.limit.upper));
-            // Past a limit by rounding only: the value is put on it.
-            let (a, b) = (a.min(self.limit.upper), b.max(self.limit.lower));
-            let off = (a - self.centre).max(self.centre - b).max(0.0);
-            least = least.min(self.factor * off);
-            only = (from == to).then_some(Range { low: a - self.centre, high: b - self.centre });
-            k += 1.0;
-        }
-        (least, only)
-    }
-}
-
 /// Both triples at one arm angle.
 type Spokes = [Spoke; 2];
 
@@ -166,55 +113,6 @@ struct Point {
 struct Slopes {
     first: Range,
     second: Range,
-}
-
-/// How joints count.
-struct Costs {
-    weights: [Weight; JOINTS],
-    choice: Choice,
-}
-
-impl Costs {
-    fn weight(&self, triple: usize, j: usize) -> &Weight {
-        &self.weights[4 * triple + j]
-    }
-
-    /// The cost of a joint on top of that of others; of its weighed distance.
-    fn add(&self, sum: f64, least: f64) -> f64 {
-        if self.choice == Choice::Margin { sum.max(least) } else { sum + least * least }
-    }
-
-    /// The least cost of a triple on a piece, and the ranges of its joints' distances.
-    fn least(
-        &self,
-        (triple, side): (usize, f64),
-        [from, to]: [&Spoke; 2],
-    ) -> (f64, [Option<Range>; 3]) {
-        let ways = from.ways(to);
-        let (mut cost, mut offs) = (0.0, [None; 3]);
-        for j in 0..3 {
-            let (x, y) = (turn(side, j, from), turn(side, j, to));
-            let range = if j == 1 { Range::of(x, y) } else { swept(x, y, ways[j]) };
-            let least;
-            (least, offs[j]) = self.weight(triple, j).least(range);
-            cost = self.add(cost, least);
-        }
-        (cost, offs)
-    }
-
-    /// The cost of parts together.
-    fn together(&self, a: f64, b: f64) -> f64 {
-        if self.choice == Choice::Margin { a.max(b) } else { a + b }
-    }
-}
-
-/// The turn of joint `j` of a triple on a side.
-fn turn(side: f64, j: usize, spoke: &Spoke) -> f64 {
-    match j {
-        1 => side * spoke.turns[1],
-        _ if side > 0.0 => spoke.turns[j],
-        _ => spoke.turns[j] + PI,
-    }
 }
 
 /// One branch of an elbow.
@@ -402,21 +300,6 @@ fn least_by_slopes(a: &Point, b: &Point, slopes: &Slopes) -> f64 {
     let half = 0.5 * width;
     let parabolas = (a.cost + a.slope * half + bend).min(b.cost - b.slope * half + bend);
     lines.max(ends.min(parabolas))
-}
-
-/// The range that an angle sweeps from `x` to `y`, both up to whole turns, in the direction
-/// of its rate.
-fn swept(x: f64, y: f64, rate: f64) -> Range {
-    // Less than a turn; what rounding leaves short of it is none at all.
-    let turn = |d: f64| {
-        let d = d - TAU * floor(d * (1.0 / TAU));
-        if d > TAU - 1e-9 { 0.0 } else { d }
-    };
-    if rate >= 0.0 {
-        Range { low: x, high: x + turn(y - x) }
-    } else {
-        Range { low: x - turn(x - y), high: x }
-    }
 }
 
 fn spokes(wheels: &[Wheel; 2], psi: f64) -> Spokes {

@@ -18,6 +18,7 @@ mod candidates;
 mod certify;
 mod check;
 mod choose;
+mod costs;
 mod geometry;
 mod polish;
 mod quartic;
@@ -133,4 +134,9 @@ impl ClosedForm {
             Self::Srs(arm) => arm.side_by_side(goal, tool, angle, preferred, first),
         }
     }
+}
+
+/// How far two points are apart.
+fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }

@@ -12,6 +12,7 @@
 //! paper's (5)-(9) have the elbow's sign wrong for its own (10)-(12), X in place of rho, and
 //! an arc cosine that loses the sign of z.
 
+use super::distance;
 use crate::error::{Error, Result};
 use crate::lanes::{Real, hypotenuse};
 use crate::solve::{Answers, Status};
@@ -227,9 +228,7 @@ impl Arm {
                 }
             };
             if outcome != Outcome::BadInput {
-                let p = self.fk(q);
-                let off: f64 = p.iter().zip(target).map(|(a, b)| (a - b) * (a - b)).sum();
-                out.answers.position_error[i] = off.sqrt();
+                out.answers.position_error[i] = distance(&self.fk(q), target);
                 out.answers.orientation_error[i] = 0.0;
             }
             out.outcome[i] = outcome as u8;

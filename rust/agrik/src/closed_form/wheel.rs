@@ -166,7 +166,7 @@ impl Wheel {
         if off[0] * off[1] < 0.0 {
             steep.high = self.size;
         }
-        let steep = steep.by(if from.slope + to.slope >= 0.0 { 1.0 } else { -1.0 });
+        let steep = steep.by(if from.ways(to)[1] >= 0.0 { 1.0 } else { -1.0 });
         let noise = ROUNDING * root.high;
         let [first, third] = [0, 1].map(|i| Range::of(from.n[i], to.n[i]).times(over).wider(noise));
         let second = steep.times(root).wider(noise);

@@ -128,50 +128,39 @@ pub fn dispatch_single<K: Kernel>(level: Level, kernel: K) -> K::Output {
 ///
 /// They are methods of the kernel, not functions that take one, because the compiler puts
 /// methods with their type: kernels of different modules are then compiled side by side.
-trait Entries: Kernel {
+trait Entries: Kernel + Sized {
     /// One copy for both dispatches.
-    fn plain(self) -> Self::Output;
-
-    /// # Safety
-    ///
-    /// The processor has the features named where this is implemented.
-    #[cfg(target_arch = "x86_64")]
-    unsafe fn with_fma(self) -> Self::Output;
-
-    /// # Safety
-    ///
-    /// As above.
-    #[cfg(target_arch = "x86_64")]
-    unsafe fn with_avx2(self) -> Self::Output;
-
-    /// # Safety
-    ///
-    /// As above.
-    #[cfg(target_arch = "x86_64")]
-    unsafe fn with_avx512(self) -> Self::Output;
-}
-
-impl<K: Kernel> Entries for K {
     #[inline(never)]
     fn plain(self) -> Self::Output {
         self.run::<f64>()
     }
 
+    /// # Safety
+    ///
+    /// The processor has the features named here.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma")]
     unsafe fn with_fma(self) -> Self::Output {
         self.run::<Fused>()
     }
 
+    /// # Safety
+    ///
+    /// As above.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma")]
     unsafe fn with_avx2(self) -> Self::Output {
         self.run::<super::x86::F64x4>()
     }
 
+    /// # Safety
+    ///
+    /// As above.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
     unsafe fn with_avx512(self) -> Self::Output {
         self.run::<super::x86::F64x8>()
     }
 }
+
+impl<K: Kernel> Entries for K {}

@@ -23,6 +23,7 @@ pub use energy::SlopeCase;
 pub use exact::FreePose;
 pub use sets::{Gap, Interval, Place, ThetaSets};
 
+use super::distance;
 use crate::error::{Error, Result};
 use crate::lanes::{Real, angle_over_sine};
 use crate::solve::{Answers, Status};
@@ -352,9 +353,6 @@ impl Arm {
         let method = self.prepare(method);
         let reset = self.reset_pose();
         let at_reset = self.fk(&reset);
-        let distance = |at: [f64; 3], target: &[f64; 3]| -> f64 {
-            at.iter().zip(target).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
-        };
         let (joints, _) = out.answers.q.as_chunks_mut::<5>();
         for (i, (target, q)) in targets.iter().zip(joints).enumerate() {
             match self.solve_prepared(*target, &method) {
@@ -363,14 +361,14 @@ impl Arm {
                     out.energy[i] = self.energy_of(&found);
                     // The check that `success` promises: against the target itself.
                     let at = self.fk_of(&found.q, found.theta, found.beta);
-                    out.answers.position_error[i] = distance(at, target);
+                    out.answers.position_error[i] = distance(&at, target);
                     out.answers.orientation_error[i] = 0.0;
                     out.answers.status[i] = Status::Converged as u8;
                 }
                 Err(gap) => {
                     *q = reset;
                     if gap.status != Status::BadInput {
-                        out.answers.position_error[i] = distance(at_reset, target);
+                        out.answers.position_error[i] = distance(&at_reset, target);
                         out.answers.orientation_error[i] = 0.0;
                     }
                     out.place[i] = gap.place as u8;
