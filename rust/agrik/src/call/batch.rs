@@ -5,8 +5,8 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use crate::error::{Error, Result};
+use super::answers::{Answers, AnswersMut};
 use crate::lanes::Level;
-use crate::solve::{Answers, AnswersMut, Solve};
 
 mod pool;
 
@@ -14,6 +14,25 @@ pub use pool::{num_threads, set_num_threads};
 
 /// Time between two questions whether to go on, once the caller only waits for others.
 const BETWEEN_POLLS: Duration = Duration::from_millis(10);
+
+/// A call ready to be solved, run by run of its rows, on any number of threads.
+pub trait Solve: Sync {
+    /// How many targets.
+    fn rows(&self) -> usize;
+    /// Joint values of an answer.
+    fn dof(&self) -> usize;
+    /// Rows handed out at a time: few enough to balance the threads, many enough that
+    /// taking the next run costs nothing.
+    fn run_length(&self) -> usize;
+    /// Solves the rows of every run that `next` hands out, until it hands out none or
+    /// `keep_going` says no; false in the latter case.
+    fn run<'a>(
+        &self,
+        level: Level,
+        next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
+        keep_going: &mut dyn FnMut() -> bool,
+    ) -> bool;
+}
 
 /// Solves all targets of a call on `threads` threads (0: the number in force).
 ///

@@ -3,7 +3,8 @@
 /// Targets, in the world frame.
 #[derive(Debug, Clone, Copy)]
 pub enum Goals<'a> {
-    /// Tool points (m), for [`Task::Position`], or for [`Task::Axis`] with one direction.
+    /// Tool points (m), for [`Position`](crate::task::Task::Position), or for
+    /// [`Axis`](crate::task::Task::Axis) with one direction.
     Positions {
         /// One row a target.
         points: &'a [[f64; 3]],
@@ -52,9 +53,19 @@ impl<'a> Starts<'a> {
 
 /// Copies of one target, for a subtask that tries several starts at once.
 #[derive(Debug, Clone)]
-pub(super) enum Copies {
+pub(crate) enum Copies {
     /// Tool points, with the direction of all.
     Points(Vec<[f64; 3]>, Option<[f64; 3]>),
     /// Poses.
     Poses(Vec<[f64; 16]>),
+}
+
+impl Copies {
+    /// The copies as the targets of a request.
+    pub fn goals(&self) -> Goals<'_> {
+        match self {
+            Self::Points(points, direction) => Goals::Positions { points, direction: *direction },
+            Self::Poses(poses) => Goals::Poses(poses),
+        }
+    }
 }

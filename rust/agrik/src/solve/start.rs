@@ -4,7 +4,9 @@
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
-use crate::chain::{BLOCK, Chain, FEATURES, JointKind, Places, Postures};
+use super::postures::{BLOCK, FEATURES, Places, Postures};
+use crate::call::Request;
+use crate::chain::{Chain, JointKind};
 use crate::kinematics::tool_poses;
 use crate::lanes::{dot, sub};
 use crate::task::{Goal, pose_goal, pose_parts};
@@ -56,8 +58,10 @@ pub(super) struct Sampler<'a> {
 
 impl<'a> Sampler<'a> {
     /// A sampler over the joints' limits.
-    pub fn new(chain: &'a Chain, ranking: Ranking, seed: u64, first_index: u64) -> Self {
-        Self { seed, first_index, postures: chain.postures(sample_postures), ranking }
+    pub fn new(request: &Request<'a>, ranking: Ranking) -> Self {
+        let postures = request.chain().memo(sample_postures);
+        let (seed, first_index) = (request.seed(), request.first_index());
+        Self { seed, first_index, postures, ranking }
     }
 
     /// What alone decides the random numbers of an attempt at a target.

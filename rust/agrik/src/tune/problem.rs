@@ -4,7 +4,8 @@ use super::Family;
 use crate::batch;
 use crate::chain::Chain;
 use crate::error::{Error, Result};
-use crate::solve::{Goals, Pace, Plan, Settings, StartRule, Starts, Status, Tolerance};
+use crate::call::{Aim, Goals, Request, Starts, Status, Tolerance};
+use crate::solve::{Pace, Plan, Settings, StartRule};
 use crate::task::Task;
 
 /// Steps that count as one unit of effort.
