@@ -1,6 +1,6 @@
-//! Errors of the core: what was asked, what came, what was expected.
+//! Errors of all crates: what was asked, what came, what was expected.
 
-/// Result of every fallible function of this crate.
+/// Result of every fallible function of these crates.
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// A refused argument, description or file.
@@ -16,9 +16,14 @@ pub enum Error {
         /// What was expected.
         expected: String,
     },
-    /// A URDF text that does not describe a usable chain.
-    #[error("URDF: {0}")]
-    Urdf(String),
+    /// A text that does not describe what it should.
+    #[error("{format}: {message}")]
+    Description {
+        /// The format of the text, such as URDF.
+        format: &'static str,
+        /// What is wrong with it, and where.
+        message: String,
+    },
     /// The caller asked to stop before all targets were processed.
     #[error("interrupted before all targets were processed")]
     Interrupted,

@@ -1,7 +1,41 @@
-//! Random numbers for a population: eight interleaved xoshiro256++ generators, so that the
-//! words of a whole vector are made in step.
+//! Random numbers that depend on a key alone: a [`Sequence`] of plain numbers, and a
+//! [`Stream`] of eight interleaved generators that makes the words of a whole vector in step.
+//! Both are xoshiro256++ (Blackman and Vigna 2021).
+
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
 use crate::lanes::{Real, Words};
+
+/// The finaliser of SplitMix64 (Steele, Lea and Flood 2014): spreads every bit over all.
+pub fn mix(mut x: u64) -> u64 {
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+/// One number after the other.
+#[derive(Debug, Clone)]
+pub struct Sequence(Xoshiro256PlusPlus);
+
+impl Sequence {
+    /// The sequence of a key.
+    pub fn new(key: u64) -> Self {
+        Self(Xoshiro256PlusPlus::seed_from_u64(key))
+    }
+
+    /// A number in [0, 1) with 53 random bits.
+    #[inline]
+    pub fn uniform(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+    }
+
+    /// A number of the standard normal distribution (Box and Muller).
+    pub fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+}
 
 /// Generators side by side: the widest vector there is.
 const WIDE: usize = 8;
@@ -28,10 +62,7 @@ impl Stream {
         for word in state.iter_mut().flatten() {
             // SplitMix64, which xoshiro's authors recommend for seeding.
             x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mut z = x;
-            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            *word = z ^ (z >> 31);
+            *word = mix(x);
         }
         Self { state, kept: [0; KEPT], used: KEPT }
     }

@@ -3,7 +3,7 @@
 //!
 //! This is the test that Miri and the sanitizers run over the `unsafe` code of `lanes`.
 
-use agrik::lanes::{Kernel, Level, Real, Words, dispatch, dispatch_single};
+use agrik_compute::lanes::{Kernel, Level, Real, Words, dispatch, dispatch_single};
 
 /// Zeros, numbers of every size with both signs, and what is no number.
 const SPECIAL: [f64; 20] = [

@@ -1,6 +1,6 @@
 //! Sine and cosine of every number type, against values worked out with 60 digits.
 
-use agrik::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
+use agrik_compute::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
 
 /// Made by `tests/data/make_sin_cos.py`: x, then sine and cosine as sums of two doubles.
 const GOLDEN: &str = include_str!("../../../tests/data/sin_cos.txt");

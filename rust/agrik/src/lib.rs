@@ -8,11 +8,10 @@
 pub mod call;
 pub mod chain;
 pub mod closed_form;
-pub mod error;
 pub mod kinematics;
-pub mod lanes;
 pub mod solve;
+pub mod solvers;
 pub mod task;
 pub mod tune;
 
-pub use error::{Error, Result};
+pub use agrik_compute::{Error, Result, error, lanes, random, threads};

@@ -1,5 +1,7 @@
 //! The choice of number type at run time, made once per process.
 
+#![allow(unsafe_code)]
+
 use std::sync::OnceLock;
 
 use super::Real;

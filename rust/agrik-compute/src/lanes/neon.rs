@@ -9,6 +9,8 @@
 //! baseline, so every instruction used here exists on the processor that runs it. Apart
 //! from that the intrinsics have no preconditions, since all operands are plain registers.
 
+#![allow(unsafe_code)]
+
 use std::arch::aarch64::*;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 

@@ -110,7 +110,7 @@ fn horner_each<R: Real, const N: usize, const M: usize>(
 /// those who look at many postures roughly. Near their zeros they lack digits that
 /// [`Real::sin_cos`] has, at two thirds of its price.
 #[inline(always)]
-pub(crate) fn turns_each<R: Real, const N: usize>(x: &[R; N]) -> ([R; N], [R; N]) {
+pub fn turns_each<R: Real, const N: usize>(x: &[R; N]) -> ([R; N], [R; N]) {
     use std::f64::consts::TAU;
     // `sqrt(2) sin(r / 2) / r` and `sqrt(2) cos(r / 2)` in powers of r^2 for |r| <= pi, of
     // which double angles make sine and cosine without a choice between quadrants:
@@ -156,7 +156,7 @@ pub(crate) fn turns_each<R: Real, const N: usize>(x: &[R; N]) -> ([R; N], [R; N]
 /// Squared angles between directions of unit length whose squared distance is known and at
 /// most [`CHORD2`], to the last place; of larger ones nonsense.
 #[inline(always)]
-pub(crate) fn squared_angles<R: Real, const N: usize>(chord2: [R; N]) -> [R; N] {
+pub fn squared_angles<R: Real, const N: usize>(chord2: [R; N]) -> [R; N] {
     // `4 asin(sqrt(x) / 2)^2 / x`, a Chebyshev fit of our own, made with 50-digit arithmetic.
     const RATIO: [f64; 10] = [
         1.909_997_965_952_488e-7,
@@ -179,12 +179,12 @@ pub(crate) fn squared_angles<R: Real, const N: usize>(chord2: [R; N]) -> [R; N] 
 }
 
 /// The squared chord up to which [`squared_angles`] is exact: of 41 degrees.
-pub(crate) const CHORD2: f64 = 0.5;
+pub const CHORD2: f64 = 0.5;
 
 /// `acos(c) / sqrt(1 - c^2)` for c in [0, 1]: the factor from the sine of a rotation
 /// angle to the angle itself, smooth where the angle vanishes.
 #[inline(always)]
-pub(crate) fn angle_over_sine<R: Real>(c: R) -> R {
+pub fn angle_over_sine<R: Real>(c: R) -> R {
     // In powers of u = 1 - c; relative error below 1e-16 on [0, 1]. Split in even and
     // odd powers, which halves the chain of dependent multiplications.
     const EVEN: [f64; 11] = [
@@ -221,13 +221,13 @@ pub(crate) fn angle_over_sine<R: Real>(c: R) -> R {
 /// Angle of the direction `(x, y)` in [-pi, pi], at most 3 units in the last place off;
 /// 0 where both are zero.
 #[inline(always)]
-pub(crate) fn atan2<R: Real>(y: R, x: R) -> R {
+pub fn atan2<R: Real>(y: R, x: R) -> R {
     atan2_each([y], [x])[0]
 }
 
 /// [`atan2`] of several directions to 1.2e-5 rad.
 #[inline(always)]
-pub(crate) fn atan2_rough<R: Real, const N: usize>(y: [R; N], x: [R; N]) -> [R; N] {
+pub fn atan2_rough<R: Real, const N: usize>(y: [R; N], x: [R; N]) -> [R; N] {
     // Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.49.
     const ATAN: [f64; 5] = [0.020_835_1, -0.085_133, 0.180_141, -0.330_299_5, 0.999_866];
     use std::f64::consts::{FRAC_PI_2, PI};
@@ -248,7 +248,7 @@ pub(crate) fn atan2_rough<R: Real, const N: usize>(y: [R; N], x: [R; N]) -> [R; 
 /// [`atan2`] of several directions, which share the loads of the polynomial and hide one
 /// another's waiting.
 #[inline(always)]
-pub(crate) fn atan2_each<R: Real, const N: usize>(y: [R; N], x: [R; N]) -> [R; N] {
+pub fn atan2_each<R: Real, const N: usize>(y: [R; N], x: [R; N]) -> [R; N] {
     // fdlibm's polynomial for |t| <= 7/16.
     const ATAN: [f64; 11] = [
         1.628_582_011_536_578_2e-2,

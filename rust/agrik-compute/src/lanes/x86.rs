@@ -8,6 +8,8 @@
 //! exists on the processor that runs it; apart from that the intrinsics have no
 //! preconditions, since all operands are plain registers.
 
+#![allow(unsafe_code)]
+
 use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 

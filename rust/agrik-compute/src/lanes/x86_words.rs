@@ -5,6 +5,8 @@
 //! The invariant of [`super::x86`]: values of these types come to be only on a processor
 //! that has the instructions. Loads and stores ask the slice for its length first.
 
+#![allow(unsafe_code)]
+
 use std::arch::x86_64::*;
 
 use super::words::Words;

@@ -19,6 +19,30 @@ pub enum Status {
     NonFinite = 5,
 }
 
+impl Status {
+    /// Every status, in the order of its codes.
+    pub const ALL: [Self; 6] = [
+        Self::Converged,
+        Self::OutOfReach,
+        Self::NotFound,
+        Self::BadInput,
+        Self::Stalled,
+        Self::NonFinite,
+    ];
+
+    /// The name that users and files know it by.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::OutOfReach => "out_of_reach",
+            Self::NotFound => "not_found",
+            Self::BadInput => "bad_input",
+            Self::Stalled => "stalled",
+            Self::NonFinite => "non_finite",
+        }
+    }
+}
+
 /// The answers of a call, one entry a target (`dof` entries of `q`).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Answers {
@@ -161,5 +185,17 @@ impl<'a> AnswersMut<'a> {
         self.restarts[i] = outcome.restarts;
         let dof = self.q.len() / self.status.len();
         &mut self.q[i * dof..(i + 1) * dof]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn statuses_stand_at_their_codes() {
+        for (code, status) in Status::ALL.into_iter().enumerate() {
+            assert_eq!(status as usize, code, "{}", status.name());
+        }
     }
 }

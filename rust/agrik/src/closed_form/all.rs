@@ -1,19 +1,19 @@
 //! All branches of every target.
 
-use super::alone::Alone;
 use super::branches::{Branches, BranchesMut};
 use super::candidates::BRANCHES;
+use super::one_pose::Alone;
 use super::query::{FEW, Query, RUN, status};
 use super::settle::Group;
-use crate::batch::share;
+use crate::call::Status;
 use crate::error::{Error, Result};
 use crate::lanes::{Kernel, Level, Real, dispatch};
-use crate::solve::Status;
+use crate::threads::share;
 
 /// All branches of every target, on `threads` threads (0: the number in force); `poll` as
-/// for [`crate::batch::solve`].
+/// for [`crate::call::solve`].
 pub fn all(query: &Query<'_>, threads: usize, poll: &mut dyn FnMut() -> bool) -> Result<Branches> {
-    let mut q = vec![0.0; query.plan.len() * BRANCHES * query.chain().dof()];
+    let mut q = vec![0.0; query.request.len() * BRANCHES * query.chain().dof()];
     let mut branches = all_into(query, &mut q, threads, poll)?;
     branches.q = q;
     Ok(branches)
@@ -27,12 +27,12 @@ pub fn all_into(
     threads: usize,
     poll: &mut dyn FnMut() -> bool,
 ) -> Result<Branches> {
-    let wanted = query.plan.len() * BRANCHES * query.chain().dof();
+    let wanted = query.request.len() * BRANCHES * query.chain().dof();
     if q.len() != wanted {
         return Err(Error::argument("q", format!("room for {wanted} numbers"), q.len()));
     }
     let level = Level::in_use();
-    let mut branches = Branches::new(query.plan.len());
+    let mut branches = Branches::new(query.request.len());
     let rows = branches.as_mut_with(q);
     let few = rows.len() <= FEW;
     let work = |mut rows: BranchesMut<'_>| {

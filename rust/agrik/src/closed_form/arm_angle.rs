@@ -14,11 +14,9 @@ use super::settle::{Group, Job};
 use super::srs::{Elbow, Reached, Srs};
 use super::turn::{Meeting, Side, advance, components};
 use super::{BRANCHES, ClosedForm};
-use crate::chain::{Chain, Tail};
+use crate::call::Request;
 use crate::error::{Error, Result};
 use crate::lanes::{V3, atan2, hypotenuse};
-use crate::solve::Tolerance;
-use crate::task::pose_goal;
 
 /// Roots that neighbour one another by less are one, rad.
 const SAME: f64 = 1e-12;
@@ -251,23 +249,19 @@ fn common(a: &[Interval], b: &[Interval]) -> Vec<Interval> {
     out
 }
 
-/// The arm angles that the limits allow for a pose (4x4, row by row) of an S-R-S chain
-/// with its own tool, one list a branch in the order of [`super::all`].
-pub fn intervals(
-    chain: &Chain,
-    pose: &[f64; 16],
-    tail: Option<Tail>,
-) -> Result<Vec<Vec<Interval>>> {
+/// The arm angles that the limits allow for the first target of a request to an S-R-S
+/// chain, one list a branch in the order of [`super::all`].
+pub fn intervals(request: &Request<'_>) -> Result<Vec<Vec<Interval>>> {
     let refuse = |why: &str| Error::argument("robot", "an S-R-S arm", why);
-    let form = ClosedForm::of(chain).map_err(refuse)?;
+    let form = ClosedForm::of(request.chain()).map_err(refuse)?;
     let ClosedForm::Srs(arm) = form else {
         return Err(refuse("an arm that is not redundant"));
     };
-    let tail = tail.unwrap_or(chain.compiled().tail);
-    let position = [pose[3], pose[7], pose[11]];
-    let rotation = [0, 1, 2].map(|j| [pose[j], pose[4 + j], pose[8 + j]]);
-    let mut group = Group::<f64>::new(Job::new(chain, form, tail, Tolerance::default()));
-    group.goal = pose_goal(position, rotation, &tail);
+    let Some(goal) = request.goal(0) else {
+        return Err(Error::argument("target", "finite numbers", "NaN or infinity"));
+    };
+    let mut group = Group::<f64>::new(Job::new(form, request));
+    group.goal = goal;
     group.solve();
     let at = arm.reach(&group.goal, group.job.tool(), &group.near.preferred);
     let found = intervals_of(arm, &at, group.job.limits());

@@ -1,20 +1,19 @@
-//! The best branch of every target, as a call of [`crate::batch::solve`].
+//! The best branch of every target, as a call of [`crate::call::solve`].
 
-use super::alone::{Alone, Left, Single, Target};
 use super::best_angle;
 use super::candidates::{BRANCHES, JOINTS};
 use super::choose::Choice;
+use super::one_pose::{Alone, Left, Target};
 use super::query::{ArmAngle, FEW, Query, RUN, status};
 use super::settle::{Group, Job};
 use super::{ClosedForm, Srs};
-use crate::error::Result;
+use crate::call::{AnswersMut, Outcome, Solve, Status};
 use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
-use crate::solve::{Answers, AnswersMut, Outcome, Solve, Status};
 use crate::task::{Goal, rotation_between};
 
 impl Solve for Query<'_> {
     fn rows(&self) -> usize {
-        self.plan.len()
+        self.request.len()
     }
     fn dof(&self) -> usize {
         self.chain().dof()
@@ -109,35 +108,6 @@ fn alone_best<R: Real>(
         let branches = (0..BRANCHES).map(|b| found.branch(b));
         let status = status(job.form, false, found.reached != 0);
         nearest(job, &target.goal, branches, status, rows, i);
-    }
-}
-
-/// The best branch of one pose: what [`crate::batch::solve`] finds for a [`Query`], without
-/// a plan. `None` where the best of all arm angles is wanted, which takes a search.
-pub fn best_alone(single: &Single<'_>, choice: Choice) -> Result<Option<Answers>> {
-    let job = single.job()?;
-    if matches!(job.form, ClosedForm::Srs(_)) && single.arm_angle.is_none() {
-        return Ok(None);
-    }
-    let mut answers = Answers::new(1, single.chain.dof());
-    let rows = &mut answers.as_mut();
-    dispatch(Level::in_use(), SingleBest { job, single, choice, rows });
-    Ok(Some(answers))
-}
-
-struct SingleBest<'k, 'a> {
-    job: Job<'k>,
-    single: &'k Single<'k>,
-    choice: Choice,
-    rows: &'k mut AnswersMut<'a>,
-}
-
-impl Kernel for SingleBest<'_, '_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<R: Real>(self) {
-        let target = self.single.target::<R>(&self.job);
-        alone_best(&self.job, target, self.choice, self.rows, 0);
     }
 }
 

@@ -302,15 +302,13 @@ fn all_told(arm: &Srs, single: &Group<'_, f64>) -> bool {
 mod tests {
     use std::f64::consts::FRAC_PI_2;
 
-    use rand_xoshiro::Xoshiro256PlusPlus;
-    use rand_xoshiro::rand_core::{Rng, SeedableRng};
-
     use super::*;
+    use crate::call::{Aim, Goals, Request, Starts, Tolerance};
     use crate::chain::{Chain, DhConvention, DhRow, JointKind};
     use crate::closed_form::ClosedForm;
     use crate::closed_form::settle::{Job, Near};
-    use crate::solve::Tolerance;
-    use crate::task::Goal;
+    use crate::random::Sequence;
+    use crate::task::{Goal, Task};
 
     /// A 7R arm of the common kind.
     fn arm(limit: f64) -> Chain {
@@ -329,18 +327,17 @@ mod tests {
     /// arm is stretched, where many arm angles cost the same or nearly so.
     #[test]
     fn proofs_end_within_the_tolerance() {
-        let mut stream = Xoshiro256PlusPlus::seed_from_u64(11);
+        let mut stream = Sequence::new(11);
         for limit in [1.2, 2.1, 2.9] {
             let chain = arm(limit);
             let form = ClosedForm::of(&chain).expect("a closed form");
             let ClosedForm::Srs(srs) = form else { panic!("an S-R-S arm") };
             assert!(certify::applies(srs));
-            let tail = chain.compiled().tail;
+            let aim = Aim::new(&chain, Task::Pose, Tolerance::default(), None).expect("valid");
+            let request = Request::new(&chain, aim, Goals::Poses(&[]), Starts::Free);
+            let request = request.expect("valid");
             for case in 0..240 {
-                let mut draw = || {
-                    let u = (stream.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-                    limit * (2.0 * u - 1.0)
-                };
+                let mut draw = || limit * (2.0 * stream.uniform() - 1.0);
                 let mut q = [0.0; JOINTS].map(|_| draw());
                 let near = [0.0; JOINTS].map(|_| draw());
                 for (j, tiny) in [(1, 1), (3, 2), (5, 4), (2, 8)] {
@@ -349,8 +346,7 @@ mod tests {
                         q[j] = if case % 3 == 0 { 1e-6 } else { 0.0 };
                     }
                 }
-                let mut single =
-                    Group::<f64>::new(Job::new(&chain, form, tail, Tolerance::default()));
+                let mut single = Group::<f64>::new(Job::new(form, &request));
                 let (axes, position) = single.job.pose(&q);
                 single.goal = Goal { position, axes };
                 for choice in [Choice::Nearest, Choice::Middle, Choice::Margin] {

@@ -1,7 +1,7 @@
 //! The record of all branches of the targets of a call.
 
 use super::candidates::BRANCHES;
-use crate::solve::Status;
+use crate::call::Status;
 
 /// All branches of each target: [`BRANCHES`] rows of `dof` joint values a target.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 
 use super::candidates::{Candidate, JOINTS, Lanes};
+use crate::call::Tolerance;
 use crate::chain::{Compiled, Tail, Variable};
 use crate::kinematics::Frame;
 use crate::lanes::{Real, dot, sub};
-use crate::solve::Tolerance;
 use crate::task::Goal;
 
 /// A joint value this far past a limit is rounding, and is put on the limit, rad.

@@ -3,13 +3,12 @@
 //!
 //! [`ClosedForm::of`] recognises the family of a chain once; a [`Query`] is a call: for all
 //! branches of each target ([`all`]), or for the best branch by a stated criterion
-//! ([`crate::batch::solve`]). [`alone`] takes a single pose without much ado. A family solves
+//! ([`crate::call::solve`]). [`alone`] takes a single pose without much ado. A family solves
 //! whole lane groups through [`ClosedForm::solve`]; limits, the check by forward
 //! kinematics and the choice are common to all (see [`settle`]). The papers' own arms,
 //! [`strawberry`] and [`tomato`], have closed forms of their own.
 
 mod all;
-mod alone;
 pub mod arm_angle;
 mod best;
 mod best_angle;
@@ -20,6 +19,7 @@ mod check;
 mod choose;
 mod costs;
 mod geometry;
+mod one_pose;
 mod polish;
 mod quartic;
 mod query;
@@ -34,12 +34,11 @@ mod turn;
 mod wheel;
 
 pub use all::{all, all_into};
-pub use alone::{Alone, Single, alone};
-pub use best::best_alone;
 pub use branches::{Branches, BranchesMut};
 pub use candidates::{BRANCHES, Candidate, ELBOW, JOINTS, SHOULDER, WRIST};
 pub use choose::Choice;
 pub use geometry::{Geometry, Link, TOLERANCE};
+pub use one_pose::{Alone, alone};
 pub use query::{ArmAngle, Query};
 pub use shoulder::Kind;
 pub use spherical_wrist::SphericalWrist;
@@ -62,7 +61,7 @@ pub enum ClosedForm {
 impl ClosedForm {
     /// The family of a chain, or why it has none; found once for each chain.
     pub fn of(chain: &Chain) -> Result<&Self, &str> {
-        chain.closed_form(Self::recognise).as_ref().map_err(String::as_str)
+        chain.memo(Self::recognise).as_ref().map_err(String::as_str)
     }
 
     /// Some branches come from the roots of an equation that loses digits.

@@ -4,14 +4,11 @@
 
 use super::candidates::{BRANCHES, JOINTS, Lanes};
 use super::choose::Choice;
-use super::query::{ArmAngle, arm_angles, status};
+use super::query::{Query, status};
 use super::settle::{Job, Near};
-use super::{ClosedForm, query};
-use crate::chain::{Chain, Tail};
-use crate::error::{Error, Result};
+use crate::call::Status;
 use crate::lanes::{Kernel, Level, Real, dispatch};
-use crate::solve::{Status, Tolerance};
-use crate::task::{Goal, pose_goal};
+use crate::task::Goal;
 
 /// Pairs of branches: the two ways to turn a wrist at the end of an arm.
 const PAIRS: usize = BRANCHES / 2;
@@ -187,73 +184,18 @@ fn everywhere<R: Real>(goal: &Goal<f64>) -> Goal<R> {
     out
 }
 
-/// A call for the branches of one pose.
-#[derive(Debug, Clone, Copy)]
-pub struct Single<'a> {
-    /// The arm.
-    pub chain: &'a Chain,
-    /// The target, a 4x4 matrix row by row.
-    pub pose: &'a [f64; 16],
-    /// Tool in the last joint's frame, in place of the chain's own.
-    pub tail: Option<Tail>,
-    /// How near is near enough.
-    pub tolerance: Tolerance,
-    /// What the answers stay near, rad.
-    pub q0: Option<&'a [f64]>,
-    /// Arm angle of an S-R-S arm, rad; else that of `q0`, or 0.
-    pub arm_angle: Option<f64>,
-}
-
-impl Single<'_> {
-    /// The call, checked.
-    pub(super) fn job(&self) -> Result<Job<'_>> {
-        let chain = self.chain;
-        let form = query::form_of(chain)?;
-        self.tolerance.check()?;
-        if let Some(q0) = self.q0
-            && q0.len() != chain.dof()
-        {
-            return Err(Error::argument("q0", format!("{} numbers", chain.dof()), q0.len()));
-        }
-        arm_angles(form, self.arm_angle.map_or(ArmAngle::Free, ArmAngle::One), 1)?;
-        let tail = self.tail.unwrap_or(chain.compiled().tail);
-        Ok(Job::new(chain, form, tail, self.tolerance))
-    }
-
-    /// The target in every lane; `None` where it or its start is not finite.
-    #[inline(always)]
-    pub(super) fn target<R: Real>(&self, job: &Job<'_>) -> Option<Target<R>> {
-        let m = self.pose;
-        let finite = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
-        if !finite(m) || !self.q0.is_none_or(finite) {
-            return None;
-        }
-        let rotation = [0, 1, 2].map(|j| [m[j], m[4 + j], m[8 + j]]);
-        let angle = match (self.arm_angle, job.form, self.q0) {
-            (Some(angle), ..) => angle,
-            (None, ClosedForm::Srs(arm), Some(q0)) => arm.arm_angle(q0),
-            _ => 0.0,
-        };
-        Some(Target {
-            goal: pose_goal([m[3], m[7], m[11]], rotation, &job.exact.tail),
-            near: Near::to(job.geometry, self.q0),
-            angle,
-        })
-    }
-}
-
-/// All branches of one pose: what [`super::all`] finds, without a plan.
-pub fn alone(single: &Single<'_>) -> Result<Box<Alone>> {
-    let job = single.job()?;
+/// All branches of the first target of a call.
+pub fn alone(query: &Query<'_>) -> Box<Alone> {
+    let job = query.job();
     // Half a kilobyte that is handed on a few times.
     let mut out = Box::new(Alone::new(job.variables().len()));
-    dispatch(Level::in_use(), Branching { job: &job, single, out: &mut out });
-    Ok(out)
+    dispatch(Level::in_use(), Branching { job: &job, query, out: &mut out });
+    out
 }
 
 struct Branching<'a> {
     job: &'a Job<'a>,
-    single: &'a Single<'a>,
+    query: &'a Query<'a>,
     out: &'a mut Alone,
 }
 
@@ -261,7 +203,7 @@ impl Kernel for Branching<'_> {
     type Output = ();
     #[inline(always)]
     fn run<R: Real>(self) {
-        match self.single.target::<R>(self.job) {
+        match self.query.alone::<R>(self.job, 0) {
             Some(target) => self.out.solve(self.job, &target, None),
             None => self.out.stand_in(self.job),
         }

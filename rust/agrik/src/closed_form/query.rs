@@ -1,14 +1,14 @@
 //! A checked call of a closed form, and how its targets get into a lane group.
 
 use super::ClosedForm;
-use super::alone::Target;
 use super::candidates::Lanes;
 use super::choose::Choice;
+use super::one_pose::Target;
 use super::settle::{Group, Job, Near};
+use crate::call::{Request, Starts, Status};
 use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::lanes::Real;
-use crate::solve::{Plan, Starts, Status};
 
 /// Targets of one run: what a thread takes at a time.
 pub(super) const RUN: usize = 256;
@@ -29,7 +29,7 @@ pub enum ArmAngle<'a> {
 /// A call of a closed form.
 #[derive(Debug, Clone)]
 pub struct Query<'a> {
-    pub(super) plan: &'a Plan<'a>,
+    pub(super) request: Request<'a>,
     pub(super) form: &'a ClosedForm,
     pub(super) angle: ArmAngle<'a>,
     pub(super) choice: Choice,
@@ -38,15 +38,14 @@ pub struct Query<'a> {
 }
 
 impl<'a> Query<'a> {
-    /// A checked call for the targets, starts and tolerances of a plan, whose solver
-    /// settings are of no account.
-    pub fn new(plan: &'a Plan<'a>, angle: ArmAngle<'a>, choice: Choice) -> Result<Self> {
-        if !plan.task().fixes_pose() {
+    /// A checked call.
+    pub fn new(request: Request<'a>, angle: ArmAngle<'a>, choice: Choice) -> Result<Self> {
+        if !request.task().fixes_pose() {
             return Err(Error::argument("task", "the full pose, for closed forms", "another task"));
         }
-        let form = form_of(plan.chain())?;
-        arm_angles(form, angle, plan.len())?;
-        Ok(Self { plan, form, angle, choice, proof: false })
+        let form = form_of(request.chain())?;
+        arm_angles(form, angle, request.len())?;
+        Ok(Self { request, form, angle, choice, proof: false })
     }
 
     /// The same call, where a free arm angle is proven to be the best and not only the best
@@ -56,18 +55,12 @@ impl<'a> Query<'a> {
     }
 
     pub(super) fn chain(&self) -> &'a Chain {
-        self.plan.chain()
+        self.request.chain()
     }
 
     #[inline(always)]
     pub(super) fn job(&self) -> Job<'a> {
-        Job::new(self.chain(), self.form, *self.plan.tail(), self.plan.tolerance())
-    }
-
-    /// A target's start values, if it has any.
-    #[inline(always)]
-    pub(super) fn start(&self, row: usize) -> Option<&'a [f64]> {
-        self.plan.starts().row(row, self.chain().dof())
+        Job::new(self.form, &self.request)
     }
 
     /// The arm angle of a target; 0 where there is none.
@@ -77,7 +70,7 @@ impl<'a> Query<'a> {
             (ArmAngle::One(x), _) => x,
             (ArmAngle::Each(all), _) => all[row],
             (ArmAngle::Free, ClosedForm::Srs(arm)) => {
-                self.start(row).map_or(0.0, |q0| arm.arm_angle(q0))
+                self.request.start(row).map_or(0.0, |q0| arm.arm_angle(q0))
             }
             _ => 0.0,
         }
@@ -101,12 +94,12 @@ impl<'a> Query<'a> {
                 break;
             }
             used |= 1 << lane;
-            let Some(goal) = self.plan.goal(row) else {
+            let Some(goal) = self.request.goal(row) else {
                 bad |= 1 << lane;
                 continue;
             };
             group.goal.set_lane(lane, &goal);
-            if let Some(q0) = self.start(row) {
+            if let Some(q0) = self.request.start(row) {
                 group.near.set(geometry, lane, q0);
             }
             if turns {
@@ -115,7 +108,7 @@ impl<'a> Query<'a> {
                 group.angle.1.set_lane(lane, c);
             }
         }
-        if !matches!(self.plan.starts(), Starts::Free) {
+        if !matches!(self.request.starts(), Starts::Free) {
             group.near.turn(geometry);
             group.near.judged_by(self.choice, geometry);
         }
@@ -125,8 +118,8 @@ impl<'a> Query<'a> {
     /// One target, in every lane; `None` where it or its start is not finite.
     #[inline(always)]
     pub(super) fn alone<R: Real>(&self, job: &Job<'_>, row: usize) -> Option<Target<R>> {
-        let goal = self.plan.goal(row)?;
-        let near = Near::to(job.geometry, self.start(row));
+        let goal = self.request.goal(row)?;
+        let near = Near::to(job.geometry, self.request.start(row));
         Some(Target { goal, near, angle: self.angle(row) })
     }
 }

@@ -7,10 +7,9 @@ use super::polish::{is_rough, polished};
 use super::srs::{Elbow, Line, Reached, Srs};
 use super::turn::{Side, Turn};
 use super::{ClosedForm, geometry::Geometry};
-use crate::chain::{Chain, Tail};
+use crate::call::Request;
 use crate::kinematics::{Workspace, forward};
 use crate::lanes::Real;
-use crate::solve::Tolerance;
 use crate::task::Goal;
 
 /// What all targets of a call share: the arm, its limits, and when it is near enough.
@@ -22,9 +21,10 @@ pub(super) struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    pub fn new(chain: &'a Chain, form: &'a ClosedForm, tail: Tail, tolerance: Tolerance) -> Self {
+    pub fn new(form: &'a ClosedForm, request: &Request<'a>) -> Self {
         let geometry = form.geometry();
-        let exact = Exact::new(chain.compiled(), &geometry.variables, tail, tolerance);
+        let (compiled, aim) = (request.chain().compiled(), request.aim());
+        let exact = Exact::new(compiled, &geometry.variables, *aim.tail(), aim.tolerance());
         Self { form, geometry, exact }
     }
 

@@ -13,9 +13,9 @@
 //! an arc cosine that loses the sign of z.
 
 use super::distance;
+use crate::call::{Answers, Status};
 use crate::error::{Error, Result};
 use crate::lanes::{Real, hypotenuse};
-use crate::solve::{Answers, Status};
 
 /// How far past the ends of the reach a target may be, m.
 const EDGE: f64 = 1e-12;

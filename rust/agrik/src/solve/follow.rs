@@ -1,13 +1,13 @@
 //! A path of targets, one after the other: every posture continues the one before.
 
-use super::plan::{INSIDE, Plan};
-use super::population::Stream;
 use super::Settings;
-use crate::call::{Answers, Outcome, Solve, Status};
+use super::plan::{INSIDE, Plan};
+use crate::call::{Answers, Outcome, Request, Solve, Status};
 use crate::chain::JointKind;
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, forward};
 use crate::lanes::Level;
+use crate::random::Stream;
 use crate::task::Goal;
 
 /// The steps of one attempt to continue.
@@ -38,19 +38,19 @@ pub struct Path {
 }
 
 impl<'a> Follow<'a> {
-    /// A checked path.
+    /// A checked path through the targets of a request, whose starts are of no account.
     ///
     /// `q0` is where the arm stands before the first target (without it, the first posture
     /// is free); `max_joint_step` (rad or m, one number a joint) bounds the change of each
     /// joint from one target to the next; `pull` (0 to 1) is the share of the way back to
     /// the posture before that each step goes inside the null space of the task.
     pub fn new(
-        plan: Plan<'a>,
+        request: Request<'a>,
         q0: Option<&'a [f64]>,
         max_joint_step: Vec<f64>,
         pull: f64,
     ) -> Result<Self> {
-        let dof = plan.request.chain().dof();
+        let (chain, dof) = (request.chain(), request.chain().dof());
         if max_joint_step.len() != dof {
             let got = max_joint_step.len();
             return Err(Error::argument("max_joint_step", format!("{dof} numbers"), got));
@@ -62,13 +62,12 @@ impl<'a> Follow<'a> {
             return Err(Error::argument("pull", "a number, 0 to 1", pull));
         }
         if let Some(q0) = q0
-            && (q0.len() != dof
-                || q0.iter().any(|x| !x.is_finite())
-                || !plan.request.chain().within_limits(q0))
+            && (q0.len() != dof || q0.iter().any(|x| !x.is_finite()) || !chain.within_limits(q0))
         {
             let expected = format!("{dof} finite numbers within the limits");
             return Err(Error::argument("q0", expected, format!("{q0:?}")));
         }
+        let plan = Plan::new(request, CONTINUE)?;
         Ok(Self { plan, q0, max_joint_step, pull })
     }
 
@@ -221,7 +220,8 @@ impl Walker<'_> {
         for q in answers.q.chunks_exact(dof) {
             let way2: f64 = q.iter().zip(near).map(|(a, b)| (a - b) * (a - b)).sum();
             let nearer = best.is_none_or(|(least, _)| way2 < least);
-            let inside = plan.request.chain().within_limits(q) && (bounds.is_none() || self.is_step(near, q));
+            let inside = plan.request.chain().within_limits(q)
+                && (bounds.is_none() || self.is_step(near, q));
             if nearer && inside {
                 forward(plan.request.chain().compiled(), q, &mut self.workspace);
                 let (position2, orientation2) = plan.request.errors(&self.workspace, goal);

@@ -1,12 +1,12 @@
 //! What stays the same from call to call of a control loop: the aim and the step.
 
 use super::Settings;
+use super::plan::Plan;
 use super::start::Ranking;
 use super::step::{Feedback, StartRule, middle};
 use crate::call::{Aim, Goals, Request, Starts};
 use crate::chain::{Chain, Reach, Tail};
 use crate::error::{Error, Result};
-use super::plan::Plan;
 use crate::task::{Task, rotation_scale};
 
 /// An aim and how to get there, checked and worked out for a chain. Making one may cost more

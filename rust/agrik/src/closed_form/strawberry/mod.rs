@@ -24,9 +24,9 @@ pub use exact::FreePose;
 pub use sets::{Gap, Interval, Place, ThetaSets};
 
 use super::distance;
+use crate::call::{Answers, Status};
 use crate::error::{Error, Result};
 use crate::lanes::{Real, angle_over_sine};
-use crate::solve::{Answers, Status};
 use analytic::PreparedRules;
 
 /// How far a slide may be past its limit before that counts, m: the rounding of the

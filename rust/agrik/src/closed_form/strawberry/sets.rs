@@ -2,7 +2,7 @@
 //! is empty.
 
 use super::{Angle, Arm, SLIDE_TOLERANCE, Turn};
-use crate::solve::Status;
+use crate::call::Status;
 
 /// A closed interval.
 #[derive(Debug, Clone, Copy, PartialEq)]

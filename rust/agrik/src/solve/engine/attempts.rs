@@ -5,10 +5,10 @@ use smallvec::smallvec;
 use super::Engine;
 use super::feedback::Halt;
 use super::runs::{Place, Runs};
+use crate::call::{AnswersMut, Outcome, Status};
 use crate::chain::Variable;
 use crate::kinematics::PerJoint;
 use crate::lanes::Real;
-use crate::call::{AnswersMut, Outcome, Status};
 use crate::solve::step::squared_norm;
 use crate::task::{Goal, Rows, TaskError};
 

@@ -3,11 +3,11 @@
 use super::boundary::Boundary;
 use super::evaluator::{Fitness, Gene, Population, Range};
 use super::progress::End;
-use super::random::Stream;
 use super::rows::Rows;
 use super::run::Run;
 use crate::error::{Error, Result};
 use crate::lanes::{Real, Words};
+use crate::random::Stream;
 
 /// What a mutant starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

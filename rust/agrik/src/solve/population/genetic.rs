@@ -4,10 +4,10 @@
 use super::boundary::Boundary;
 use super::evaluator::{Fitness, Gene, Population};
 use super::progress::End;
-use super::random::Stream;
 use super::run::Run;
 use crate::error::{Error, Result};
 use crate::lanes::Real;
+use crate::random::Stream;
 
 /// How a generation is bred.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,14 +3,14 @@
 use super::evaluator::{Evaluator, Gene, Population};
 use super::fitness::{EulerGoal, TaskFitness};
 use super::progress::{End, Progress};
-use super::random::Stream;
 use super::settings::Settings;
+use crate::call::{Answers, AnswersMut, Outcome, Request, Solve, Status};
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, forward};
 use crate::lanes::{Kernel, Level, Real, dispatch};
-use crate::call::{Answers, AnswersMut, Outcome, Status};
+use crate::random::Stream;
 use crate::solve::plan::{INSIDE, Plan};
-use crate::solve::{Solve, step};
+use crate::solve::step;
 use crate::task::Goal;
 
 /// Best individuals that are polished side by side.
@@ -25,11 +25,10 @@ const PULL: f64 = 0.5;
 /// A run that has not improved for so many generations is at a local minimum.
 const STUCK: u32 = 30;
 
-/// A population search for the targets of a plan.
-///
-/// The plan's own step settings are not used; its seed and indices are.
+/// A population search for the targets of a request.
 #[derive(Debug, Clone)]
 pub struct Evolution<'a> {
+    /// The request, and how what is found is polished.
     plan: Plan<'a>,
     settings: Settings,
     orientation_weight: f64,
@@ -37,9 +36,10 @@ pub struct Evolution<'a> {
 
 impl<'a> Evolution<'a> {
     /// A checked search.
-    pub fn new(plan: Plan<'a>, settings: Settings) -> Result<Self> {
+    pub fn new(request: Request<'a>, settings: Settings) -> Result<Self> {
+        settings.check_for(&request.task())?;
+        let plan = Plan::new(request, POLISH)?;
         let setup = plan.setup();
-        settings.check_for(&setup.aim.task())?;
         let orientation_weight =
             settings.orientation_weight.unwrap_or(settings.position_weight * setup.rotation_scale);
         Ok(Self { plan, settings, orientation_weight })
@@ -79,8 +79,9 @@ impl<'a> Evolution<'a> {
             orientation: self.settings.orientation,
             position_weight: self.settings.position_weight,
             orientation_weight: self.orientation_weight,
-            tail: setup.aim.tail(),
-            plain_tail: setup.aim.tail().rotation == [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            tail: *setup.aim.tail(),
+            plain_tail: setup.aim.tail().rotation
+                == [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             goal: lanes,
             target: EulerGoal::of(tool_axes(goal, &setup.aim.tail().rotation)),
             start: start.filter(|_| weight > 0.0).map(|q| (weight, q)),

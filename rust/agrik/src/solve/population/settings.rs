@@ -5,11 +5,11 @@ use super::evaluator::{Evaluator, Fitness, Gene, Population};
 use super::fitness::Orientation;
 use super::genetic::Genetic;
 use super::progress::{End, Progress};
-use super::random::Stream;
 use super::run::Run;
 use super::{Boundary, Mutation, Redraw, lshade};
 use crate::error::{Error, Result};
 use crate::lanes::Real;
+use crate::random::Stream;
 use crate::task::Task;
 
 /// Individuals that a search can hold.
@@ -52,6 +52,17 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// All population solvers by their names, with their defaults.
+    pub const KNOWN: [(&str, Self); 2] = [("de", Self::DIFFERENTIAL), ("ga", Self::GENETIC)];
+
+    /// The name by which users choose the algorithm.
+    pub fn name(&self) -> &'static str {
+        match self.algorithm {
+            Algorithm::Differential(_) => "de",
+            Algorithm::Genetic(_) => "ga",
+        }
+    }
+
     /// Memetic differential evolution, the default: a short run, then the default step
     /// solver from its best individuals, again and again.
     pub const DIFFERENTIAL: Self = Self {

@@ -102,6 +102,20 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// All step solvers by their names, with their defaults.
+    pub const KNOWN: [(&str, Self); 10] = [
+        ("lm", Self::LEVENBERG_MARQUARDT),
+        ("dls", Self::DAMPED),
+        ("pinv", Self::PSEUDO_INVERSE),
+        ("pinv-closed", Self::CLOSED_PSEUDO_INVERSE),
+        ("transpose", Self::TRANSPOSE),
+        ("ccd", Self::DESCENT),
+        ("ik-pid", Self::IK_PID),
+        ("state-space", Self::STATE_SPACE),
+        ("static-gain", Self::STATIC_GAIN),
+        ("broyden", Self::BROYDEN),
+    ];
+
     /// Levenberg-Marquardt, the default solver.
     pub const LEVENBERG_MARQUARDT: Self = Self {
         step: Step::LevenbergMarquardt { damping: 0.1 },

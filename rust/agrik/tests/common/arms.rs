@@ -1,7 +1,9 @@
 //! Two arms from DH rows, as in the package's robot files, and targets they can reach.
 
+use agrik::call::{Aim, Goals, Request, Starts, Tolerance};
 use agrik::chain::{Chain, DhConvention, DhRow, JointKind};
 use agrik::kinematics::{Workspace, tool_pose};
+use agrik::task::Task;
 use nalgebra::IsometryMatrix3;
 
 /// Names that [`arm`] knows.
@@ -76,4 +78,16 @@ pub fn poses(chain: &Chain, count: usize, seed: u64) -> Vec<[f64; 16]> {
 /// The places of poses, m.
 pub fn points(poses: &[[f64; 16]]) -> Vec<[f64; 3]> {
     poses.iter().map(|m| [m[3], m[7], m[11]]).collect()
+}
+
+/// A request for a task of a chain, starts chosen by seed 0 where they are free.
+pub fn request<'a>(
+    chain: &'a Chain,
+    task: Task,
+    tolerance: Tolerance,
+    goals: Goals<'a>,
+    starts: Starts<'a>,
+) -> Request<'a> {
+    let aim = Aim::new(chain, task, tolerance, None).expect("a task and tolerances in range");
+    Request::new(chain, aim, goals, starts).expect("targets and starts that fit")
 }
