@@ -69,7 +69,9 @@ impl Solver {
                 let query = Query::new(request, angle, *choice)?;
                 Ok(Call::Query(if *proof { query.with_proof() } else { query }))
             }
-            Self::Auto if request.task().fixes_pose() && ClosedForm::of(request.chain()).is_ok() => {
+            Self::Auto
+                if request.task().fixes_pose() && ClosedForm::of(request.chain()).is_ok() =>
+            {
                 Ok(Call::Query(Query::new(request, ArmAngle::Free, Choice::default())?))
             }
             Self::Auto => Ok(Call::Plan(Plan::new(request, Settings::default())?)),

@@ -2,18 +2,19 @@
 
 use std::f64::consts::PI;
 
-use agrik::batch;
+use agrik::call::{Aim, Goals, Request, Starts, Tolerance, solve};
 use agrik::closed_form::tomato::{Arm, Joints};
-use agrik::solve::{Goals, Pace, Plan, Settings, StartRule, Starts, Step, Tolerance};
+use agrik::solve::{Pace, Plan, Settings, StartRule, Step};
 use agrik::task::Task;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
-use crate::chain::Chain;
+use super::strawberry::{row, rows};
 use crate::convert::array;
 use crate::errors;
+use crate::ik::signals::Signals;
 use crate::result::IkResult;
-use crate::strawberry::{row, rows};
+use crate::robot::chain::Chain;
 
 /// Closed form of the tomato pointing arm.
 #[pyclass(frozen, module = "agrik_fast._native")]
@@ -157,20 +158,16 @@ pub fn ik_paced(
     let core = chain.core();
     let chain = core.as_ref();
     let starts = q0.values()?;
-    let plan = Plan::new(
-        chain,
-        Task::Position,
-        settings,
-        Tolerance { position: position_tolerance, ..Tolerance::default() },
-        Goals::Positions { points: floats.values()?.as_chunks().0, direction: None },
-        if starts.len() == chain.dof() { Starts::One(starts) } else { Starts::Each(starts) },
-        None,
-        0,
-        0,
-    )
-    .map_err(|error| errors::from_core(py, error))?;
-    let mut go_on = || Python::attach(|py| py.check_signals().is_ok());
-    let answers = py.detach(|| batch::solve(&plan, 1, &mut go_on));
-    let answers = answers.map_err(|error| errors::from_core(py, error))?;
+    let tolerance = Tolerance { position: position_tolerance, ..Tolerance::default() };
+    let goals = Goals::Positions { points: floats.values()?.as_chunks().0, direction: None };
+    let starts =
+        if starts.len() == chain.dof() { Starts::One(starts) } else { Starts::Each(starts) };
+    let plan = Aim::new(chain, Task::Position, tolerance, None)
+        .and_then(|aim| Request::new(chain, aim, goals, starts))
+        .and_then(|request| Plan::new(request, settings))
+        .map_err(|error| errors::from_core(py, error))?;
+    let mut signals = Signals::new();
+    let answers = py.detach(|| solve(&plan, 1, &mut || signals.go_on_detached()));
+    let answers = answers.map_err(|error| signals.exception(py, error))?;
     Ok(IkResult::new(leading, chain.dof(), answers))
 }

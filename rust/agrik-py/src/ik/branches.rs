@@ -1,7 +1,7 @@
 //! The record of all branches of a call; its arrays are made when they are asked for.
 
+use agrik::call::Status;
 use agrik::closed_form::{self, Alone, BRANCHES};
-use agrik::solve::Status;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 

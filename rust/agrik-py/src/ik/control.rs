@@ -3,18 +3,19 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use agrik::batch;
+use agrik::call::{Answers, Goals, Starts, Status, solve_into};
 use agrik::chain::Chain;
 use agrik::lanes::Level;
-use agrik::solve::{Answers, Goals, Plan, Setup, Starts, Status};
+use agrik::solve::Setup;
+use agrik::solvers::Solver;
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
+use super::arguments::Options;
+use super::signals::Signals;
+use super::targets::{Targets, first_not_rigid, not_rigid_error};
 use crate::convert::{Floats, internal, numbers, wrong_shape};
 use crate::errors;
-use crate::ik::{Options, Signals};
-use crate::solver::Chosen;
-use crate::targets::{Targets, first_not_rigid, not_rigid_error};
 
 /// What a call writes: the last answer and the start that it was given.
 struct Buffers {
@@ -38,12 +39,12 @@ pub struct TargetSolver {
 impl TargetSolver {
     /// A solver of a chain with the options of a call.
     pub fn new(py: Python<'_>, chain: Arc<Chain>, options: Options) -> PyResult<Self> {
-        let Chosen::Step(settings) = &options.solver else {
-            return Err(errors::argument(py, "solver", "a population solver", "a step solver"));
+        let Options { wanted, solver, aim, seed, first_index, .. } = options;
+        let Solver::Step(settings) = solver else {
+            return Err(errors::argument(py, "solver", "another solver", "a step solver"));
         };
         let dof = chain.dof();
-        let Options { wanted, tolerance, tail, seed, first_index, .. } = options;
-        let setup = Setup::new(&chain, wanted.task, settings.clone(), tolerance, tail);
+        let setup = Setup::new(&chain, aim, settings);
         Ok(Self {
             setup: setup.map_err(|error| errors::from_core(py, error))?,
             q: PyArray1::zeros(py, dof, false).unbind(),
@@ -124,13 +125,13 @@ impl TargetSolver {
             Goals::Positions { points: values.as_chunks().0, direction }
         };
         let (seed, first_index) = (self.seed, self.first_index);
-        let plan = Plan::with_setup(&self.chain, &self.setup, goals, starts, seed, first_index)
+        let plan = self
+            .setup
+            .plan(&self.chain, goals, starts, seed, first_index)
             .map_err(|error| errors::from_core(py, error))?;
         let mut signals = Signals::new();
-        batch::solve_into(Level::in_use(), &plan, 1, answers, &mut || signals.go_on_attached(py))
-            .map_err(|error| {
-                signals.raised.take().unwrap_or_else(|| errors::from_core(py, error))
-            })?;
+        solve_into(Level::in_use(), &plan, 1, answers, &mut || signals.go_on_attached(py))
+            .map_err(|error| signals.exception(py, error))?;
         let mut q = self.q.bind(py).try_readwrite().map_err(internal)?;
         q.as_slice_mut().map_err(internal)?.copy_from_slice(&answers.q);
         Ok(answers.success(0))

@@ -6,9 +6,10 @@ use agrik::solve::Follow;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
+use super::arguments::{Arguments, Call};
+use super::signals::Signals;
 use crate::convert::{Floats, array, real};
 use crate::errors;
-use crate::ik::{Arguments, Call, Signals};
 use crate::result::IkResult;
 
 /// What a path has besides the arguments of an ordinary call.
@@ -45,16 +46,16 @@ pub fn follow<'py>(
     };
     let pull = real("pull", along.pull)?;
     let mut points = Vec::new();
-    let plan = call.plan(py, chain, &mut points)?;
+    let request = call.request(py, chain, &mut points)?;
     let q0 = q0.as_ref().map(Floats::values).transpose()?;
     let follow =
-        Follow::new(plan, q0, steps, pull).map_err(|error| errors::from_core(py, error))?;
+        Follow::new(request, q0, steps, pull).map_err(|error| errors::from_core(py, error))?;
     let mut signals = Signals::new();
     match py.detach(|| follow.run(Level::in_use(), &mut || signals.go_on_detached())) {
         Ok(path) => {
             let jumps = array(py, &leading, path.jumps)?;
             Ok((IkResult::new(leading, dof, path.answers), jumps))
         }
-        Err(error) => Err(signals.raised.unwrap_or_else(|| errors::from_core(py, error))),
+        Err(error) => Err(signals.exception(py, error)),
     }
 }

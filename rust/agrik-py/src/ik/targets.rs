@@ -2,8 +2,8 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use agrik::batch;
-use agrik::solve::Goals;
+use agrik::call::Goals;
+use agrik::threads::share;
 use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -46,6 +46,11 @@ impl<'py> Targets<'py> {
         !matches!(self, Self::Points(_))
     }
 
+    /// One target, and not a batch of one.
+    pub fn is_single(&self) -> bool {
+        self.leading_shape().is_empty()
+    }
+
     /// The shape without the dimensions of a single target.
     pub fn leading_shape(&self) -> &[usize] {
         match self {
@@ -67,7 +72,7 @@ impl<'py> Targets<'py> {
 }
 
 /// A single pose in an array of doubles, without a detour over NumPy's functions.
-pub fn lone_pose(value: &Bound<'_, PyAny>) -> Option<[f64; 16]> {
+fn lone_pose(value: &Bound<'_, PyAny>) -> Option<[f64; 16]> {
     let array = value.cast::<PyArray2<f64>>().ok()?;
     if array.dims() != numpy::Ix2(4, 4) || !array.is_aligned() {
         return None;
@@ -117,7 +122,7 @@ pub fn first_not_rigid(poses: &[[f64; 16]], threads: usize) -> Option<usize> {
             first.fetch_min(i * PIECE + row, Ordering::Relaxed);
         }
     };
-    batch::share(pieces, threads, &look, &mut || true);
+    share(pieces, threads, &look, &mut || true);
     Some(first.into_inner()).filter(|row| *row < poses.len())
 }
 

@@ -8,14 +8,16 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat};
 
-use crate::branches::Branches;
-use crate::build::{self, DhTable, Frame};
-use crate::control::TargetSolver;
+use super::build::{self, DhTable, Frame};
+use super::kinematics;
 use crate::convert::{array, transform};
-use crate::follow::{self, Along, Followed};
-use crate::ik::{self, Arguments, Options};
+use crate::errors;
+use crate::ik::arguments::{Arguments, Options};
+use crate::ik::batch;
+use crate::ik::branches::Branches;
+use crate::ik::control::TargetSolver;
+use crate::ik::follow::{self, Along, Followed};
 use crate::result::IkResult;
-use crate::{errors, kinematics};
 
 /// A serial chain: geometry, limits, base and tool, compiled for the solvers.
 #[pyclass(frozen, module = "agrik_fast._native")]
@@ -164,11 +166,6 @@ impl Chain {
         Self::wrap(base.py(), self.0.with_base(transform("base", base)?))
     }
 
-    /// Return the chain under another name.
-    fn with_name(&self, name: &str) -> Self {
-        Self(Arc::new(chain::Chain::clone(&self.0).with_name(name)))
-    }
-
     /// Return tool poses, shape (..., 4, 4), of joint values, shape (..., dof).
     fn fk<'py>(&self, q: &Bound<'py, PyAny>) -> Array<'py> {
         kinematics::fk(&self.0, q)
@@ -222,7 +219,7 @@ impl Chain {
             orientation_tolerance,
             first_index,
         };
-        ik::solve(py, &self.0, &given)
+        batch::solve(py, &self.0, &given)
     }
 
     /// Make a solver for one target at a time; see `agrik_fast.Robot.solver`.
@@ -319,7 +316,7 @@ impl Chain {
             orientation_tolerance: None,
             first_index: None,
         };
-        let costs = ik::cost_history(py, &self.0, &given)?;
+        let costs = batch::cost_history(py, &self.0, &given)?;
         array(py, &[costs.len()], costs)
     }
 
@@ -352,7 +349,7 @@ impl Chain {
             orientation_tolerance,
             first_index: None,
         };
-        ik::solve_all(py, &self.0, &given, arm_angle)
+        batch::solve_all(py, &self.0, &given, arm_angle)
     }
 
     /// Arm angles, shape (...), rad, of joint values, shape (..., dof), of an S-R-S arm.

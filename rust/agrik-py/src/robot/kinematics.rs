@@ -1,13 +1,16 @@
 //! Forward kinematics and Jacobians of arrays of joint values.
 
+use agrik::call::{Aim, Goals, Request, Starts, Tolerance};
 use agrik::chain::Chain;
 use agrik::closed_form::{ClosedForm, arm_angle};
 use agrik::kinematics::{tool_jacobians, tool_poses};
+use agrik::task::Task;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
 use crate::convert::{Floats, array, numbers, transform, wrong_shape};
 use crate::errors;
+use crate::ik::arguments::tail;
 
 /// Rows from which on the interpreter is released.
 const MANY: usize = 256;
@@ -138,10 +141,11 @@ pub fn arm_angle_intervals(
     for (i, x) in rows.iter_mut().enumerate() {
         *x = pose[(i / 4, i % 4)];
     }
-    let tail = match tool {
-        None => None,
-        Some(tool) => Some(chain.compiled().tail_with(&transform("tool", tool)?)),
-    };
-    let all = arm_angle::intervals(chain, &rows, tail).map_err(|e| errors::from_core(py, e))?;
+    let tail = tail(chain, tool)?;
+    let goals = Goals::Poses(std::slice::from_ref(&rows));
+    let all = Aim::new(chain, Task::Pose, Tolerance::default(), tail)
+        .and_then(|aim| Request::new(chain, aim, goals, Starts::Free))
+        .and_then(|request| arm_angle::intervals(&request))
+        .map_err(|error| errors::from_core(py, error))?;
     Ok(all.into_iter().map(|one| one.iter().map(|i| (i.lower, i.upper)).collect()).collect())
 }

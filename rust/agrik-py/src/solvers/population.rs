@@ -10,10 +10,6 @@ use pyo3::types::PyDict;
 use crate::convert::{real, whole};
 use crate::errors;
 
-/// Names of the population solvers, with their defaults.
-pub const KNOWN: [(&str, Settings); 2] =
-    [("de", Settings::DIFFERENTIAL), ("ga", Settings::GENETIC)];
-
 /// A choice that Python makes by a word.
 type Words<T, const N: usize> = [(&'static str, T); N];
 

@@ -4,107 +4,87 @@ use std::sync::Arc;
 
 use agrik::closed_form::Choice;
 use agrik::solve::{Pid, PidOrder, Settings, StartRule, StateSpace, Step, population as search};
+use agrik::solvers::Solver;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
+use super::{gains, population};
 use crate::convert::{real, whole};
-use crate::{errors, gains, population};
+use crate::errors;
 
-const KNOWN: [(&str, Settings); 10] = [
-    ("lm", Settings::LEVENBERG_MARQUARDT),
-    ("dls", Settings::DAMPED),
-    ("pinv", Settings::PSEUDO_INVERSE),
-    ("pinv-closed", Settings::CLOSED_PSEUDO_INVERSE),
-    ("transpose", Settings::TRANSPOSE),
-    ("ccd", Settings::DESCENT),
-    ("ik-pid", Settings::IK_PID),
-    ("state-space", Settings::STATE_SPACE),
-    ("static-gain", Settings::STATIC_GAIN),
-    ("broyden", Settings::BROYDEN),
-];
 const STARTS: [(&str, StartRule); 3] =
     [("sampled", StartRule::Sampled), ("zero", StartRule::Zero), ("middle", StartRule::Middle)];
 const ORDERS: [(&str, PidOrder); 2] =
     [("tip-first", PidOrder::TipFirst), ("base-first", PidOrder::BaseFirst)];
 
-/// Name of the closed form.
-pub const CLOSED_FORM: &str = "closed_form";
-/// Name of the choice between a closed form and the default step solver.
-pub const AUTO: &str = "auto";
 const CHOICES: [(&str, Choice); 3] =
     [("nearest", Choice::Nearest), ("margin", Choice::Margin), ("middle", Choice::Middle)];
 
-/// The solver of a call.
-#[derive(Debug, Clone)]
-pub enum Chosen {
-    Step(Settings),
-    Population(search::Settings),
-    /// The best of all branches, at an arm angle (`None`: at the best one).
-    ClosedForm {
-        choice: Choice,
-        arm_angle: Option<f64>,
-        /// The best arm angle is proven to be the best.
-        proof: bool,
-    },
-    /// A closed form where there is one, else the default step solver.
-    Auto,
+fn named(py: Python<'_>, name: &str) -> PyResult<Solver> {
+    Solver::named(name).ok_or_else(|| {
+        let names: Vec<&str> = Solver::names().collect();
+        errors::unknown_name(py, "solver", name, &names)
+    })
 }
 
-fn names() -> Vec<&'static str> {
-    let steps = KNOWN.iter().map(|(name, _)| *name);
-    let searches = population::KNOWN.iter().map(|(name, _)| *name);
-    steps.chain(searches).chain([CLOSED_FORM, AUTO]).collect()
-}
-
-fn named(py: Python<'_>, name: &str) -> PyResult<Settings> {
-    KNOWN.into_iter().find(|(known, _)| *known == name).map_or_else(
-        || Err(errors::unknown_name(py, "solver", name, &names())),
-        |(_, settings)| Ok(settings),
-    )
-}
-
-/// The solver meant by nothing (the default), a name or an object of `agrik_fast.solvers`
-/// for the robot of that name.
-pub fn chosen(solver: Option<&Bound<'_, PyAny>>, robot: &str) -> PyResult<Chosen> {
-    if let Some(solver) = solver {
-        let is_name = solver.is_instance_of::<PyString>();
-        let name = if is_name { Ok(solver.clone()) } else { solver.getattr("name") };
-        let name = name.and_then(|name| name.extract::<String>()).unwrap_or_default();
-        if let Some((_, defaults)) = population::KNOWN.iter().find(|(known, _)| *known == name) {
-            let settings =
-                if is_name { *defaults } else { population::settings(solver, *defaults)? };
-            return Ok(Chosen::Population(settings));
-        }
-        if name == CLOSED_FORM {
-            return closed_form((!is_name).then_some(solver));
-        }
-        if name == AUTO && is_name {
-            return Ok(Chosen::Auto);
-        }
+/// The solver meant by nothing (the default), a name or an object of `agrik_fast.solvers`;
+/// gains must have been made for the robot of that name, if they say for which.
+pub fn chosen(solver: Option<&Bound<'_, PyAny>>, robot: &str) -> PyResult<Solver> {
+    let Some(solver) = solver else { return Ok(Solver::default()) };
+    let py = solver.py();
+    if let Ok(name) = solver.cast::<PyString>() {
+        return named(py, name.to_str()?);
     }
-    Ok(Chosen::Step(settings(solver, robot)?))
-}
-
-/// Choice and arm angle of a closed form given as an object; `None` for other solvers.
-pub fn closed_form_of(solver: &Bound<'_, PyAny>) -> PyResult<Option<(Choice, Option<f64>)>> {
-    let Ok(name) = solver.getattr("name") else { return Ok(None) };
-    let is_closed = name.cast::<PyString>().is_ok_and(|name| name == CLOSED_FORM);
-    match if is_closed { closed_form(Some(solver))? } else { Chosen::Auto } {
-        Chosen::ClosedForm { choice, arm_angle, .. } => Ok(Some((choice, arm_angle))),
-        _ => Ok(None),
+    let name = solver.getattr("name").and_then(|name| name.extract::<String>()).map_err(|_| {
+        let names = Solver::names().collect::<Vec<_>>().join(", ");
+        let expected = format!("a solver of agrik_fast.solvers or one of {names}");
+        errors::value("solver", solver, &expected)
+    })?;
+    if name == "plain" {
+        return plain(solver, robot);
+    }
+    match named(py, &name)? {
+        Solver::Step(defaults) => Ok(Solver::Step(step(solver, defaults, robot)?)),
+        Solver::Population(defaults) => {
+            Ok(Solver::Population(population::settings(solver, defaults)?))
+        }
+        Solver::ClosedForm { .. } => closed_form(solver),
+        Solver::Auto => {
+            let expected = format!("the name '{}' itself", Solver::AUTO);
+            Err(errors::value("solver", solver, &expected))
+        }
     }
 }
 
-/// The closed form with the fields of a solver object, or with the defaults.
-fn closed_form(solver: Option<&Bound<'_, PyAny>>) -> PyResult<Chosen> {
-    let Some(solver) = solver else {
-        return Ok(Chosen::ClosedForm { choice: Choice::default(), arm_angle: None, proof: false });
-    };
+/// The settings of a solver that must be a step solver.
+pub fn step_settings(solver: &Bound<'_, PyAny>, robot: &str) -> PyResult<Settings> {
+    match chosen(Some(solver), robot)? {
+        Solver::Step(settings) => Ok(settings),
+        _ => Err(errors::value("solver", solver, "a step solver")),
+    }
+}
+
+/// The closed form with the fields of a solver object.
+fn closed_form(solver: &Bound<'_, PyAny>) -> PyResult<Solver> {
     let choice = word("choose", &solver.getattr("choose")?, &CHOICES)?;
     let angle = solver.getattr("arm_angle")?;
     let arm_angle = if angle.is_none() { None } else { Some(real("arm_angle", &angle)?) };
     let proof = solver.getattr("certify")?.is_truthy()?;
-    Ok(Chosen::ClosedForm { choice, arm_angle, proof })
+    Ok(Solver::ClosedForm { choice, arm_angle, proof })
+}
+
+/// A step solver as textbooks have it.
+fn plain(solver: &Bound<'_, PyAny>, robot: &str) -> PyResult<Solver> {
+    let inner = step_settings(&solver.getattr("solver")?, robot)?;
+    Ok(Solver::Step(Settings {
+        max_iterations: count(solver, "max_iterations")?,
+        max_restarts: 0,
+        max_step: f64::MAX,
+        plain: true,
+        start: start_rule(&solver.getattr("start")?)?,
+        pace: inner.pace,
+        step: inner.step,
+    }))
 }
 
 /// One of a few words.
@@ -132,37 +112,9 @@ fn number(solver: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
     real(name, &solver.getattr(name)?)
 }
 
-/// The settings meant by nothing (the default), a name or an object with the fields of
-/// that solver; gains must have been made for the robot of that name, if they say for which.
-pub fn settings(solver: Option<&Bound<'_, PyAny>>, robot: &str) -> PyResult<Settings> {
-    let Some(solver) = solver else {
-        return Ok(Settings::LEVENBERG_MARQUARDT);
-    };
-    let py = solver.py();
-    if let Ok(name) = solver.cast::<PyString>() {
-        return named(py, name.to_str()?);
-    }
-    let name = solver.getattr("name").and_then(|name| name.extract::<String>()).map_err(|_| {
-        let names = names().join(", ");
-        errors::value(
-            "solver",
-            solver,
-            &format!("a solver of agrik_fast.solvers or one of {names}"),
-        )
-    })?;
-    if name == "plain" {
-        let inner = settings(Some(&solver.getattr("solver")?), robot)?;
-        return Ok(Settings {
-            max_iterations: count(solver, "max_iterations")?,
-            max_restarts: 0,
-            max_step: f64::MAX,
-            plain: true,
-            start: start_rule(&solver.getattr("start")?)?,
-            pace: inner.pace,
-            step: inner.step,
-        });
-    }
-    let mut settings = named(py, &name)?;
+/// The settings of a step solver with the fields of an object.
+fn step(solver: &Bound<'_, PyAny>, defaults: Settings, robot: &str) -> PyResult<Settings> {
+    let mut settings = defaults;
     settings.max_iterations = count(solver, "max_iterations")?;
     settings.max_restarts = count(solver, "max_restarts")?;
     match &mut settings.step {
@@ -219,7 +171,7 @@ fn law(solver: &Bound<'_, PyAny>, kind: &Step) -> PyResult<Step> {
 #[pyfunction]
 pub fn default_settings(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let all = PyDict::new(py);
-    for (name, settings) in KNOWN {
+    for (name, settings) in Settings::KNOWN {
         let fields = PyDict::new(py);
         let mut has_max_step = true;
         match &settings.step {
@@ -241,8 +193,14 @@ pub fn default_settings(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         }
         all.set_item(name, fields)?;
     }
-    for (name, settings) in &population::KNOWN {
+    for (name, settings) in &search::Settings::KNOWN {
         all.set_item(name, population::fields(py, settings)?)?;
     }
     Ok(all)
+}
+
+/// Return the names of all solvers, step solvers first.
+#[pyfunction]
+pub fn solver_names() -> Vec<&'static str> {
+    Solver::names().collect()
 }

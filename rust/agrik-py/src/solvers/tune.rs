@@ -9,9 +9,10 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::chain::Chain;
+use super::solver;
 use crate::convert::{Floats, array, real, whole};
-use crate::{errors, solver, threads};
+use crate::robot::chain::Chain;
+use crate::{errors, threads};
 
 const SHAPES: [(&str, Shape); 3] =
     [("full", Shape::Full), ("diagonal", Shape::Diagonal), ("input", Shape::Input)];
@@ -98,7 +99,7 @@ impl Tuner {
         threads: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let chain = chain.core();
-        let settings = solver::settings(Some(solver), chain.name())?;
+        let settings = solver::step_settings(solver, chain.name())?;
         let Some((_, shape)) = SHAPES.into_iter().find(|(name, _)| *name == shape) else {
             return Err(errors::unknown_name(py, "shape", shape, &SHAPES.map(|(name, _)| name)));
         };

@@ -92,7 +92,7 @@ mod tests {
                 scope.spawn(move || {
                     let small = || Small(i);
                     let large = || Large(i);
-                    if i % 2 == 0 {
+                    if i.is_multiple_of(2) {
                         memo.get_or_make(large);
                     }
                     std::ptr::from_ref(memo.get_or_make(small)) as usize
