@@ -5,6 +5,7 @@
 //! target, [`call::Answers`]. [`call`] is what all solvers are given and give back. Nothing here knows
 //! of Python. Lengths are in metres, angles in radians.
 
+pub mod arms;
 pub mod call;
 pub mod chain;
 pub mod closed_form;

@@ -9,12 +9,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::check::{Limit, SLACK};
-use super::settle::{Group, Job};
-use super::srs::{Elbow, Reached, Srs};
-use super::turn::{Meeting, Side, advance, components};
-use super::{BRANCHES, ClosedForm};
 use crate::call::Request;
+use crate::closed_form::branch::group::{Group, Job};
+use crate::closed_form::families::ClosedForm;
+use crate::closed_form::families::srs::{Elbow, Reached, Srs};
+use crate::closed_form::geometry::candidate::BRANCHES;
+use crate::closed_form::geometry::limit::{Limit, SLACK};
+use crate::closed_form::geometry::turn::{Meeting, Side, advance, components};
 use crate::error::{Error, Result};
 use crate::lanes::{V3, atan2, hypotenuse};
 
@@ -31,10 +32,10 @@ pub struct Interval {
 }
 
 /// A matrix (columns) for each of the constant, cosine and sine parts.
-pub(super) type Parts = [[V3<f64>; 3]; 3];
+pub(crate) type Parts = [[V3<f64>; 3]; 3];
 
 /// An elbow that the fourth joint's limits allow, and what it leaves to the others.
-pub(super) struct Bent {
+pub(crate) struct Bent {
     /// Which of the two.
     pub elbow: usize,
     /// The fourth joint's value, rad.
@@ -46,7 +47,7 @@ pub(super) struct Bent {
 }
 
 /// The elbows that the fourth joint's limits allow.
-pub(super) fn elbows(arm: &Srs, at: &Reached<f64>, limits: &[Limit]) -> Vec<Bent> {
+pub(crate) fn elbows(arm: &Srs, at: &Reached<f64>, limits: &[Limit]) -> Vec<Bent> {
     let mut out = Vec::with_capacity(2);
     for (i, elbow) in at.elbows.iter().enumerate() {
         let fourth = elbow.fourth;
@@ -60,7 +61,7 @@ pub(super) fn elbows(arm: &Srs, at: &Reached<f64>, limits: &[Limit]) -> Vec<Bent
 }
 
 /// The arm angles that the limits allow, for each branch.
-pub(super) fn intervals_of(
+pub(crate) fn intervals_of(
     arm: &Srs,
     at: &Reached<f64>,
     limits: &[Limit],
@@ -174,7 +175,7 @@ fn pieces(
 }
 
 /// Where one of three joints is at a limit, on either branch; limits as for [`pieces`].
-pub(super) fn limit_cuts(
+pub(crate) fn limit_cuts(
     meeting: &Meeting,
     parts: &Parts,
     limits: &[(Limit, f64); 3],
@@ -210,7 +211,7 @@ fn roots(k0: f64, k1: f64, k2: f64, out: &mut Vec<f64>) {
     }
 }
 
-pub(super) fn wrap(angle: f64) -> f64 {
+pub(crate) fn wrap(angle: f64) -> f64 {
     let x = angle - TAU * (angle / TAU).round();
     if x >= PI { x - TAU } else { x }
 }

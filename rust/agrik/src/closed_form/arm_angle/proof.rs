@@ -42,14 +42,14 @@
 
 use std::f64::consts::TAU;
 
-use super::arm_angle::{Bent, limit_cuts};
-use super::candidates::JOINTS;
-use super::check::Limit;
-use super::choose::Choice;
-use super::costs::{Costs, Weight, turn};
-use super::srs::Srs;
-use super::turn::Meeting;
-use super::wheel::{Range, Spoke, Wheel};
+use super::intervals::{Bent, limit_cuts};
+use super::proof_costs::{Costs, Weight, turn};
+use super::proof_ranges::{Range, Spoke, Wheel};
+use crate::closed_form::branch::choice::Choice;
+use crate::closed_form::families::srs::Srs;
+use crate::closed_form::geometry::candidate::JOINTS;
+use crate::closed_form::geometry::limit::Limit;
+use crate::closed_form::geometry::turn::Meeting;
 use crate::lanes::Real;
 
 /// How far the cost may be above the least one: rad^2, or shares (their squares).
@@ -63,7 +63,7 @@ const STEPS: usize = 60;
 
 /// The arm angle of least cost so far.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Best {
+pub(crate) struct Best {
     pub cost: f64,
     pub psi: f64,
 }
@@ -308,12 +308,12 @@ fn spokes(wheels: &[Wheel; 2], psi: f64) -> Spokes {
 }
 
 /// Shoulder and wrist as functions of the arm angle.
-pub(super) fn wheels(bent: &Bent) -> [Wheel; 2] {
+pub(crate) fn wheels(bent: &Bent) -> [Wheel; 2] {
     [Wheel::new(bent.shoulder), Wheel::new(bent.wrist)]
 }
 
 /// Whether the proof holds for an arm.
-pub(super) fn applies(arm: &Srs) -> bool {
+pub(crate) fn applies(arm: &Srs) -> bool {
     let (shoulder, wrist) = arm.meetings();
     let right = |m: &Meeting| m.one.cosine == 0.0 && m.two.cosine == 0.0;
     right(shoulder) && right(wrist)
@@ -321,7 +321,7 @@ pub(super) fn applies(arm: &Srs) -> bool {
 
 /// Lowers `best` to the least cost of all arm angles and branches of one target; returns how
 /// far it may be above that: [`TOLERANCE`], more where [`PATIENCE`] ran out, or infinity.
-pub(super) fn certify(
+pub(crate) fn certify(
     arm: &Srs,
     elbows: &[Bent],
     limits: &[Limit],

@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use super::arm_angle::{Parts, wrap};
+use super::intervals::{Parts, wrap};
 use crate::lanes::{atan2_each, hypotenuse};
 
 /// A range of numbers.

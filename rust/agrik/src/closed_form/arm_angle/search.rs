@@ -9,15 +9,16 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::arm_angle::{elbows, intervals_of};
-use super::candidates::{BRANCHES, JOINTS, Lanes};
-use super::certify::{self, Best};
-use super::choose::Choice;
-use super::settle::Group;
-use super::srs::{Elbow, Line, Reached, Srs};
+use super::intervals::{elbows, intervals_of};
+use super::proof::{self, Best};
 use super::sweep::{Moving, Sweep, Weight, cost_of_one, joined};
-use super::turn::{Side, Turn, minus};
-use crate::lanes::{Real, atan2};
+use crate::closed_form::branch::choice::Choice;
+use crate::closed_form::branch::group::Group;
+use crate::closed_form::families::srs::{Elbow, Line, Reached, Srs};
+use crate::closed_form::geometry::candidate::{BRANCHES, JOINTS};
+use crate::closed_form::geometry::limit::SLACK;
+use crate::closed_form::geometry::turn::{Side, Turn, minus};
+use crate::lanes::{Lanes, Real, atan2};
 
 /// Arm angles of the first look at each target.
 const SAMPLES: usize = 12;
@@ -28,7 +29,7 @@ const PROOF_SAMPLES: usize = 8;
 const LOOKS: [(f64, usize, f64); 3] = [(0.45, 6, 1e-3), (0.1, 8, 1e-5), (0.005, 13, 1e-9)];
 
 /// What was found for the lanes of a group.
-pub(super) struct Found<R> {
+pub(crate) struct Found<R> {
     /// Lanes for which it is proven that no arm angle brings a branch inside the limits.
     pub none: Lanes,
     /// Lanes whose best branch is known.
@@ -53,14 +54,14 @@ struct Spot<R> {
 /// Puts the best arm angle of each lane of `used` into the group. Without `proof` the best
 /// of those looked at.
 #[inline(always)]
-pub(super) fn search<R: Real>(
+pub(crate) fn search<R: Real>(
     arm: &Srs,
     group: &mut Group<'_, R>,
     choice: Choice,
     proof: bool,
     used: Lanes,
 ) -> Found<R> {
-    let proof = proof && certify::applies(arm);
+    let proof = proof && proof::applies(arm);
     let at = arm.reach(&group.goal, group.job.tool(), &group.near.preferred);
     let weights = weights(arm, group, choice);
     let margin = choice == Choice::Margin;
@@ -164,7 +165,7 @@ fn followed<R: Real>(
     for look in 0..=LOOKS.len() {
         let angle = next.sin_cos();
         let moving = [shoulder.moving(angle, spot.sides[0]), wrist.moving(angle, spot.sides[1])];
-        let here = ahead(&moving, fourth, R::zero(), R::splat(-super::check::SLACK), margin);
+        let here = ahead(&moving, fourth, R::zero(), R::splat(-SLACK), margin);
         let here = R::select(here.lt(R::splat(OUTSIDE)), here, R::splat(f64::INFINITY));
         let better = here.lt(cost);
         cost = R::select(better, here, cost);
@@ -226,7 +227,7 @@ fn certified(arm: &Srs, single: &mut Group<'_, f64>, choice: Choice, best: &mut 
     single.solve();
     // A wrist too far away is so at every arm angle.
     if !(0..BRANCHES).any(|b| single.reaches(b)) {
-        return certify::TOLERANCE;
+        return proof::TOLERANCE;
     }
     let limits = single.job.limits();
     let at = arm.reach(&single.goal, single.job.tool(), &single.near.preferred);
@@ -248,7 +249,7 @@ fn certified(arm: &Srs, single: &mut Group<'_, f64>, choice: Choice, best: &mut 
         (0..PROOF_SAMPLES).for_each(|k| consider(k as f64 * (TAU / PROOF_SAMPLES as f64) - PI));
     }
     let bent = elbows(arm, &at, limits);
-    let tolerance = certify::certify(arm, &bent, limits, &single.near.centre, choice, best);
+    let tolerance = proof::certify(arm, &bent, limits, &single.near.centre, choice, best);
     if tolerance == f64::INFINITY && best.cost == f64::INFINITY {
         middles(arm, single, choice, best);
     }
@@ -269,7 +270,7 @@ fn cost_at(
     for (lanes, candidate) in inside.iter_mut().zip(&single.candidates) {
         *lanes &= !candidate.merged;
     }
-    choice.pick(single, &inside).cost
+    single.pick(choice, &inside).cost
 }
 
 /// The best of some points of the allowed intervals of one target.
@@ -295,7 +296,7 @@ fn middles(arm: &Srs, single: &mut Group<'_, f64>, choice: Choice, best: &mut Be
 fn all_told(arm: &Srs, single: &Group<'_, f64>) -> bool {
     let at = arm.reach(&single.goal, single.job.tool(), &single.near.preferred);
     let bent = elbows(arm, &at, single.job.limits());
-    !bent.iter().flat_map(certify::wheels).any(|wheel| wheel.comes_in_line())
+    !bent.iter().flat_map(proof::wheels).any(|wheel| wheel.comes_in_line())
 }
 
 #[cfg(test)]
@@ -306,7 +307,7 @@ mod tests {
     use crate::call::{Aim, Goals, Request, Starts, Tolerance};
     use crate::chain::{Chain, DhConvention, DhRow, JointKind};
     use crate::closed_form::ClosedForm;
-    use crate::closed_form::settle::{Job, Near};
+    use crate::closed_form::branch::group::{Job, Near};
     use crate::random::Sequence;
     use crate::task::{Goal, Task};
 
@@ -332,7 +333,7 @@ mod tests {
             let chain = arm(limit);
             let form = ClosedForm::of(&chain).expect("a closed form");
             let ClosedForm::Srs(srs) = form else { panic!("an S-R-S arm") };
-            assert!(certify::applies(srs));
+            assert!(proof::applies(srs));
             let aim = Aim::new(&chain, Task::Pose, Tolerance::default(), None).expect("valid");
             let request = Request::new(&chain, aim, Goals::Poses(&[]), Starts::Free);
             let request = request.expect("valid");
@@ -360,7 +361,7 @@ mod tests {
                     let told = q[1] != 0.0 && q[5] != 0.0;
                     assert_eq!(tolerance == f64::INFINITY, in_line, "{limit} {case} {choice:?}");
                     // Almost in line, angles may jump within less than a millionth of a turn.
-                    let most = if case % 3 == 0 { 64.0 } else { 1.0 } * certify::TOLERANCE;
+                    let most = if case % 3 == 0 { 64.0 } else { 1.0 } * proof::TOLERANCE;
                     assert!(in_line || tolerance <= most, "{limit} {case} {choice:?} {tolerance}");
                     let found = best.cost < f64::INFINITY;
                     assert!(found || !told, "{limit} {case} {choice:?}");

@@ -7,10 +7,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::check::Limit;
-use super::choose::Choice;
-use super::srs::{Elbow, Line, Srs};
-use super::turn::{Meeting, Turn, advance, components};
+use crate::closed_form::branch::choice::Choice;
+use crate::closed_form::families::srs::{Elbow, Line, Srs};
+use crate::closed_form::geometry::limit::{Limit, SLACK};
+use crate::closed_form::geometry::turn::{Meeting, Turn, advance, components, identity};
 use crate::lanes::{Real, V3, atan2_each, atan2_rough, axpy, cross, dot, negate, scale};
 
 /// The entries of `M` in use: third column, and the first two of the third row.
@@ -21,7 +21,7 @@ const IN_USE_TRANSPOSED: [(usize, usize); 5] = [(2, 0), (2, 1), (2, 2), (0, 2), 
 /// A joint's limits, and how its distance from a centre counts. Values are counted from the
 /// middle of the limits here.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Weight<R> {
+pub(crate) struct Weight<R> {
     /// Turn at the middle of the limits.
     middle: R,
     /// Half the range.
@@ -80,7 +80,7 @@ fn whole_turns_off<R: Real>(angle: R) -> R {
 
 /// The cost of several joints from that of one and another.
 #[inline(always)]
-pub(super) fn joined<R: Real>(a: R, b: R, margin: bool) -> R {
+pub(crate) fn joined<R: Real>(a: R, b: R, margin: bool) -> R {
     if margin { a.max(b) } else { a + b }
 }
 
@@ -92,13 +92,13 @@ fn allowed<R: Real>(cost: R, past: R, slack: f64) -> R {
 
 /// The cost of a joint at a value; infinite outside its limits.
 #[inline(always)]
-pub(super) fn cost_of_one<R: Real>(weight: &Weight<R>, q: R, margin: bool) -> R {
+pub(crate) fn cost_of_one<R: Real>(weight: &Weight<R>, q: R, margin: bool) -> R {
     let x = weight.value(q);
-    allowed(weight.cost(x, margin), weight.past(x), super::check::SLACK)
+    allowed(weight.cost(x, margin), weight.past(x), SLACK)
 }
 
 /// Three joints along the arm angle.
-pub(super) struct Sweep<'a, R> {
+pub(crate) struct Sweep<'a, R> {
     meeting: &'a Meeting,
     weights: [Weight<R>; 3],
     parts: [Entries<R>; 3],
@@ -108,7 +108,7 @@ pub(super) struct Sweep<'a, R> {
 
 /// Values of three joints within their limits, and their rates.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Moving<R> {
+pub(crate) struct Moving<R> {
     pub weights: [Weight<R>; 3],
     value: [R; 3],
     rate: [R; 3],
@@ -128,7 +128,7 @@ impl<'a, R: Real> Sweep<'a, R> {
         let (one, two) = arm.meetings();
         let links = &arm.geometry().links;
         let none = (R::zero(), R::splat(1.0));
-        let start = super::turn::identity::<R>();
+        let start = identity::<R>();
         // From the third link's frame to what the last three joints start from.
         let after = advance(advance(start, none, &links[2]), elbow.turn, &links[3]);
         let [f0, f1, f2] = elbow.frame;

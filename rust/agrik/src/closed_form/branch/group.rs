@@ -1,20 +1,22 @@
 //! A lane group at work: what every closed form does with its goals and candidates.
 
-use super::candidates::{BRANCHES, Candidate, JOINTS, Lanes};
-use super::check::{Exact, Limit, Pair, wrap_one, wrap_pair};
-use super::choose::Choice;
+use super::check::{Exact, Pair, wrap_one, wrap_pair};
+use super::choice::Choice;
 use super::polish::{is_rough, polished};
-use super::srs::{Elbow, Line, Reached, Srs};
-use super::turn::{Side, Turn};
-use super::{ClosedForm, geometry::Geometry};
 use crate::call::Request;
+use crate::closed_form::families::ClosedForm;
+use crate::closed_form::families::srs::{Elbow, Line, Reached, Srs};
+use crate::closed_form::geometry::axes::Geometry;
+use crate::closed_form::geometry::candidate::{BRANCHES, Candidate, JOINTS};
+use crate::closed_form::geometry::limit::Limit;
+use crate::closed_form::geometry::turn::{Side, Turn};
 use crate::kinematics::{Workspace, forward};
-use crate::lanes::Real;
+use crate::lanes::{Lanes, Real};
 use crate::task::Goal;
 
 /// What all targets of a call share: the arm, its limits, and when it is near enough.
 #[derive(Clone, Copy)]
-pub(super) struct Job<'a> {
+pub(crate) struct Job<'a> {
     pub form: &'a ClosedForm,
     pub geometry: &'a Geometry,
     pub exact: Exact<'a>,
@@ -98,7 +100,7 @@ impl<'a> Job<'a> {
 
 /// What the answers stay near, where they can choose.
 #[derive(Clone, Copy)]
-pub(super) struct Near<R> {
+pub(crate) struct Near<R> {
     /// Values along the chain.
     pub centre: [R; JOINTS],
     /// Their turns from the common normals: what angles take that nothing decides.
@@ -160,8 +162,19 @@ impl<R: Real> Near<R> {
     }
 }
 
+/// The best of the branches of each lane.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Best<R> {
+    /// Its cost; infinite where no branch is valid.
+    pub cost: R,
+    /// Its number.
+    pub branch: R,
+    /// Lanes that have one.
+    pub found: Lanes,
+}
+
 /// One lane group at work: goals in, checked branches out.
-pub(super) struct Group<'a, R> {
+pub(crate) struct Group<'a, R> {
     pub job: Job<'a>,
     pub near: Near<R>,
     pub goal: Goal<R>,
@@ -261,5 +274,22 @@ impl<'a, R: Real> Group<'a, R> {
     #[inline(always)]
     pub fn valid(&self, b: usize) -> Lanes {
         self.reached[b] & self.inside[b]
+    }
+
+    /// The best of the branches that are among `valid`, one mask of lanes a branch.
+    #[inline(always)]
+    pub fn pick(&self, choice: Choice, valid: &[Lanes; BRANCHES]) -> Best<R> {
+        let mut best = Best { cost: R::splat(f64::INFINITY), branch: R::zero(), found: 0 };
+        for (b, lanes) in valid.iter().enumerate() {
+            if *lanes == 0 {
+                continue;
+            }
+            let cost = choice.cost(&self.candidates[b].q, &self.near.centre, self.job.limits());
+            let better = R::and(cost.lt(best.cost), R::mask_from_bits(*lanes));
+            best.cost = R::select(better, cost, best.cost);
+            best.branch = R::select(better, R::splat(b as f64), best.branch);
+            best.found |= lanes;
+        }
+        best
     }
 }

@@ -1,8 +1,9 @@
 //! Last steps for branches that lost digits on the way: the roots of a general shoulder,
 //! whose equation is of the fourth degree, are only as good as its coefficients.
 
-use super::candidates::{Candidate, JOINTS};
-use super::check::{Exact, Limit, wrap_one};
+use super::check::{Exact, wrap_one};
+use crate::closed_form::geometry::candidate::{Candidate, JOINTS};
+use crate::closed_form::geometry::limit::Limit;
 use crate::kinematics::{Workspace, columns, forward};
 use crate::lanes::Real;
 use crate::solve::Step;

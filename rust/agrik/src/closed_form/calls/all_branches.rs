@@ -1,11 +1,12 @@
 //! All branches of every target.
 
+use super::arm_angle::status;
 use super::branches::{Branches, BranchesMut};
-use super::candidates::BRANCHES;
 use super::one_pose::Alone;
-use super::query::{FEW, Query, RUN, status};
-use super::settle::Group;
+use super::query::{FEW, Query, RUN};
 use crate::call::Status;
+use crate::closed_form::branch::group::Group;
+use crate::closed_form::geometry::candidate::BRANCHES;
 use crate::error::{Error, Result};
 use crate::lanes::{Kernel, Level, Real, dispatch};
 use crate::threads::share;

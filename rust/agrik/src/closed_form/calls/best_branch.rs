@@ -1,13 +1,14 @@
 //! The best branch of every target, as a call of [`crate::call::solve`].
 
-use super::best_angle;
-use super::candidates::{BRANCHES, JOINTS};
-use super::choose::Choice;
-use super::one_pose::{Alone, Left, Target};
-use super::query::{ArmAngle, FEW, Query, RUN, status};
-use super::settle::{Group, Job};
-use super::{ClosedForm, Srs};
+use super::arm_angle::{ArmAngle, status};
+use super::one_pose::{Alone, Left};
+use super::query::{FEW, Query, RUN, Target};
 use crate::call::{AnswersMut, Outcome, Solve, Status};
+use crate::closed_form::arm_angle::search;
+use crate::closed_form::branch::choice::Choice;
+use crate::closed_form::branch::group::{Group, Job};
+use crate::closed_form::families::{ClosedForm, Srs};
+use crate::closed_form::geometry::candidate::{BRANCHES, JOINTS};
 use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
 use crate::task::{Goal, rotation_between};
 
@@ -131,8 +132,7 @@ impl Kernel for InLanes<'_, '_> {
             let (used, bad) = query.load(&mut group, rows.first + i, rows.first + self.end);
             let (mut proven, mut left) = (0, used);
             if let Some(arm) = free {
-                let found =
-                    best_angle::search(arm, &mut group, query.choice, query.proof, used & !bad);
+                let found = search::search(arm, &mut group, query.choice, query.proof, used & !bad);
                 proven = found.none;
                 if found.known != 0 {
                     group.solve_one(arm, &found.line, &found.elbow, found.sides);
@@ -154,7 +154,7 @@ impl Kernel for InLanes<'_, '_> {
             for (b, lanes) in valid.iter_mut().enumerate() {
                 *lanes = group.valid(b);
             }
-            let best = query.choice.pick(&group, &valid);
+            let best = group.pick(query.choice, &valid);
             for lane in 0..R::WIDTH {
                 if left >> lane & 1 == 0 {
                     continue;

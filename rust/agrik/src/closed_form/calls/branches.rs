@@ -1,7 +1,7 @@
 //! The record of all branches of the targets of a call.
 
-use super::candidates::BRANCHES;
 use crate::call::Status;
+use crate::closed_form::geometry::candidate::BRANCHES;
 
 /// All branches of each target: [`BRANCHES`] rows of `dof` joint values a target.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -21,7 +21,7 @@ pub struct Branches {
 
 impl Branches {
     /// Room for `rows` targets, but for their joint values.
-    pub(super) fn new(rows: usize) -> Self {
+    pub(crate) fn new(rows: usize) -> Self {
         Self {
             q: Vec::new(),
             valid: vec![false; rows * BRANCHES],
@@ -32,7 +32,7 @@ impl Branches {
     }
 
     /// All rows, writable, with the joint values in other memory than [`Self::q`].
-    pub(super) fn as_mut_with<'a>(&'a mut self, q: &'a mut [f64]) -> BranchesMut<'a> {
+    pub(crate) fn as_mut_with<'a>(&'a mut self, q: &'a mut [f64]) -> BranchesMut<'a> {
         BranchesMut {
             first: 0,
             q,
@@ -49,11 +49,11 @@ impl Branches {
 pub struct BranchesMut<'a> {
     /// Row of the first target in the whole call.
     pub first: usize,
-    pub(super) q: &'a mut [f64],
-    pub(super) valid: &'a mut [bool],
-    pub(super) reached: &'a mut [bool],
-    pub(super) singular: &'a mut [u8],
-    pub(super) status: &'a mut [u8],
+    pub(crate) q: &'a mut [f64],
+    pub(crate) valid: &'a mut [bool],
+    pub(crate) reached: &'a mut [bool],
+    pub(crate) singular: &'a mut [u8],
+    pub(crate) status: &'a mut [u8],
 }
 
 impl<'a> BranchesMut<'a> {

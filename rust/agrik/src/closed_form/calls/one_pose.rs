@@ -2,12 +2,13 @@
 //! call takes hardly longer than one branch would. A branch gets, bit for bit, the values
 //! that it gets in a batch, where a lane holds a target.
 
-use super::candidates::{BRANCHES, JOINTS, Lanes};
-use super::choose::Choice;
-use super::query::{Query, status};
-use super::settle::{Job, Near};
+use super::arm_angle::status;
+use super::query::{Query, Target};
 use crate::call::Status;
-use crate::lanes::{Kernel, Level, Real, dispatch};
+use crate::closed_form::branch::choice::Choice;
+use crate::closed_form::branch::group::Job;
+use crate::closed_form::geometry::candidate::{BRANCHES, JOINTS};
+use crate::lanes::{Kernel, Lanes, Level, Real, dispatch};
 use crate::task::Goal;
 
 /// Pairs of branches: the two ways to turn a wrist at the end of an arm.
@@ -19,7 +20,7 @@ pub struct Alone {
     joints: usize,
     q: [f64; BRANCHES * JOINTS],
     /// One bit a branch.
-    pub(super) reached: Lanes,
+    pub(crate) reached: Lanes,
     inside: Lanes,
     singular: [u8; BRANCHES],
     status: Status,
@@ -27,7 +28,7 @@ pub struct Alone {
 
 /// What is left between each branch and the target, and what the branch costs.
 #[derive(Debug, Clone)]
-pub(super) struct Left {
+pub(crate) struct Left {
     /// Squared distance, m^2.
     pub position2: [f64; BRANCHES],
     /// Squared chord between the wanted and the present axes.
@@ -46,7 +47,7 @@ impl Left {
 
 impl Alone {
     /// No branch yet.
-    pub(super) fn new(joints: usize) -> Self {
+    pub(crate) fn new(joints: usize) -> Self {
         Self {
             joints,
             q: [0.0; BRANCHES * JOINTS],
@@ -65,7 +66,7 @@ impl Alone {
 
     /// Joint values of a branch, rad.
     #[inline(always)]
-    pub(super) fn branch(&self, b: usize) -> &[f64] {
+    pub(crate) fn branch(&self, b: usize) -> &[f64] {
         &self.q[b * self.joints..(b + 1) * self.joints]
     }
 
@@ -94,7 +95,7 @@ impl Alone {
 
     /// The valid branch of least cost, the first of several.
     #[inline(always)]
-    pub(super) fn best(&self, left: &Left) -> Option<usize> {
+    pub(crate) fn best(&self, left: &Left) -> Option<usize> {
         let mut best = (f64::INFINITY, None);
         for (b, cost) in left.cost.iter().enumerate() {
             if self.valid(b) && *cost < best.0 {
@@ -106,7 +107,7 @@ impl Alone {
 
     /// Fills the record for a goal, and `left` if it is wanted, with costs by a choice.
     #[inline(always)]
-    pub(super) fn solve<R: Real>(
+    pub(crate) fn solve<R: Real>(
         &mut self,
         job: &Job<'_>,
         target: &Target<R>,
@@ -154,21 +155,13 @@ impl Alone {
     }
 
     /// The record of a target that is no pose.
-    pub(super) fn stand_in(&mut self, job: &Job<'_>) {
+    pub(crate) fn stand_in(&mut self, job: &Job<'_>) {
         for one in self.q.chunks_exact_mut(self.joints).take(BRANCHES) {
             job.stand_in(one);
         }
         (self.reached, self.inside, self.singular) = (0, 0, [0; BRANCHES]);
         self.status = Status::BadInput;
     }
-}
-
-/// One target, and what its answers stay near.
-pub(super) struct Target<R> {
-    pub goal: Goal<f64>,
-    pub near: Near<R>,
-    /// Arm angle, rad.
-    pub angle: f64,
 }
 
 /// One goal in every lane.

@@ -1,40 +1,38 @@
 //! A checked call of a closed form, and how its targets get into a lane group.
 
-use super::ClosedForm;
-use super::candidates::Lanes;
-use super::choose::Choice;
-use super::one_pose::Target;
-use super::settle::{Group, Job, Near};
-use crate::call::{Request, Starts, Status};
+use crate::closed_form::families::ClosedForm;
+
+use super::arm_angle::{ArmAngle, arm_angles, form_of};
+use crate::call::{Request, Starts};
 use crate::chain::Chain;
+use crate::closed_form::branch::choice::Choice;
+use crate::closed_form::branch::group::{Group, Job, Near};
 use crate::error::{Error, Result};
-use crate::lanes::Real;
+use crate::lanes::{Lanes, Real};
+use crate::task::Goal;
 
 /// Targets of one run: what a thread takes at a time.
-pub(super) const RUN: usize = 256;
+pub(crate) const RUN: usize = 256;
 /// Up to this many targets are solved one after the other.
-pub(super) const FEW: usize = 2;
+pub(crate) const FEW: usize = 2;
 
-/// The arm angles of a call, rad; of no account for arms without one.
-#[derive(Debug, Clone, Copy)]
-pub enum ArmAngle<'a> {
-    /// That of the start values; for the best branch, the best of all arm angles.
-    Free,
-    /// The same for all targets.
-    One(f64),
-    /// One a target.
-    Each(&'a [f64]),
+/// One target, and what its answers stay near.
+pub(crate) struct Target<R> {
+    pub goal: Goal<f64>,
+    pub near: Near<R>,
+    /// Arm angle, rad.
+    pub angle: f64,
 }
 
 /// A call of a closed form.
 #[derive(Debug, Clone)]
 pub struct Query<'a> {
-    pub(super) request: Request<'a>,
-    pub(super) form: &'a ClosedForm,
-    pub(super) angle: ArmAngle<'a>,
-    pub(super) choice: Choice,
+    pub(crate) request: Request<'a>,
+    pub(crate) form: &'a ClosedForm,
+    pub(crate) angle: ArmAngle<'a>,
+    pub(crate) choice: Choice,
     /// The best arm angle is proven to be the best.
-    pub(super) proof: bool,
+    pub(crate) proof: bool,
 }
 
 impl<'a> Query<'a> {
@@ -54,18 +52,18 @@ impl<'a> Query<'a> {
         Self { proof: true, ..self }
     }
 
-    pub(super) fn chain(&self) -> &'a Chain {
+    pub(crate) fn chain(&self) -> &'a Chain {
         self.request.chain()
     }
 
     #[inline(always)]
-    pub(super) fn job(&self) -> Job<'a> {
+    pub(crate) fn job(&self) -> Job<'a> {
         Job::new(self.form, &self.request)
     }
 
     /// The arm angle of a target; 0 where there is none.
     #[inline(always)]
-    pub(super) fn angle(&self, row: usize) -> f64 {
+    pub(crate) fn angle(&self, row: usize) -> f64 {
         match (self.angle, self.form) {
             (ArmAngle::One(x), _) => x,
             (ArmAngle::Each(all), _) => all[row],
@@ -79,7 +77,7 @@ impl<'a> Query<'a> {
     /// Loads targets `first..` into the lanes of a group; returns the lanes that hold a
     /// target and those whose target or start is not finite.
     #[inline(always)]
-    pub(super) fn load<R: Real>(
+    pub(crate) fn load<R: Real>(
         &self,
         group: &mut Group<'_, R>,
         first: usize,
@@ -117,45 +115,9 @@ impl<'a> Query<'a> {
 
     /// One target, in every lane; `None` where it or its start is not finite.
     #[inline(always)]
-    pub(super) fn alone<R: Real>(&self, job: &Job<'_>, row: usize) -> Option<Target<R>> {
+    pub(crate) fn alone<R: Real>(&self, job: &Job<'_>, row: usize) -> Option<Target<R>> {
         let goal = self.request.goal(row)?;
         let near = Near::to(job.geometry, self.request.start(row));
         Some(Target { goal, near, angle: self.angle(row) })
-    }
-}
-
-/// The family of a chain, or the error of a call for it.
-pub(super) fn form_of(chain: &Chain) -> Result<&ClosedForm> {
-    ClosedForm::of(chain).map_err(|why| Error::argument("solver", "an arm with a closed form", why))
-}
-
-/// Refuses arm angles that an arm has not, or that are no angles.
-pub(super) fn arm_angles(form: &ClosedForm, angle: ArmAngle<'_>, targets: usize) -> Result<()> {
-    let angles: &[f64] = match &angle {
-        ArmAngle::Free => &[],
-        ArmAngle::One(x) => std::slice::from_ref(x),
-        ArmAngle::Each(all) => all,
-    };
-    if matches!(angle, ArmAngle::Each(_)) && angles.len() != targets {
-        let expected = format!("{targets} numbers, one a target");
-        return Err(Error::argument("arm_angle", expected, angles.len()));
-    }
-    if let Some(bad) = angles.iter().find(|x| !x.is_finite()) {
-        return Err(Error::argument("arm_angle", "finite numbers", bad));
-    }
-    if !angles.is_empty() && !matches!(form, ClosedForm::Srs(_)) {
-        let expected = "none, as the arm is not redundant";
-        return Err(Error::argument("arm_angle", expected, "arm angles"));
-    }
-    Ok(())
-}
-
-/// What the branches of a target say about it. Where even without limits there is none,
-/// or the branches are all there is, no solution exists.
-pub(super) fn status(form: &ClosedForm, any_valid: bool, any_reached: bool) -> Status {
-    match (any_valid, any_reached, form) {
-        (true, ..) => Status::Converged,
-        (_, true, ClosedForm::Srs(_)) => Status::NotFound,
-        _ => Status::OutOfReach,
     }
 }

@@ -8,9 +8,12 @@
 //! each where axes 2 and 3 or 1 and 2 are parallel, or where axes 1 and 2 meet; in
 //! general they leave one equation of the fourth degree in `tan(t3 / 2)`.
 
-use super::geometry::{Geometry, Link};
-use super::quartic;
-use super::turn::{Root, SINGULAR, Side, Turn, linear, minus, turned, unit_turn};
+use crate::closed_form::geometry::axes::{Geometry, TOLERANCE};
+use crate::closed_form::geometry::quartic;
+use crate::closed_form::geometry::turn::Link;
+use crate::closed_form::geometry::turn::{
+    Root, SINGULAR, Side, Turn, linear, minus, turned, unit_turn,
+};
 use crate::lanes::{Real, V3, hypotenuse};
 
 /// Which equations come apart.
@@ -91,7 +94,7 @@ impl Shoulder {
             phase: (y / radius, x / radius),
             height,
             least: 1e-6 * tolerance,
-            near: tolerance * SINGULAR / super::geometry::TOLERANCE,
+            near: tolerance * SINGULAR / TOLERANCE,
         })
     }
 

@@ -4,10 +4,10 @@
 //! its place (see [`super::shoulder`]), at most four ways; the last three follow from the
 //! orientation that is left, two ways each.
 
-use super::candidates::{BRANCHES, Candidate, values};
-use super::geometry::Geometry;
 use super::shoulder::{Arm, Kind, Shoulder};
-use super::turn::{Meeting, Side, Turn, advance, components, identity};
+use crate::closed_form::geometry::axes::Geometry;
+use crate::closed_form::geometry::candidate::{BRANCHES, Candidate, values};
+use crate::closed_form::geometry::turn::{Meeting, Side, Turn, advance, components, identity};
 use crate::lanes::{Real, V3, axpy, splat3, sub};
 use crate::task::Goal;
 

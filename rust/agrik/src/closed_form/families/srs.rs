@@ -7,11 +7,12 @@
 //! direction to the wrist. With it the orientations of upper arm and forearm are known,
 //! and each spherical joint has two ways to take them on.
 
-use super::candidates::{BRANCHES, Candidate, value, values};
-use super::geometry::Geometry;
 use super::spherical_wrist::wrist_center;
-use super::turn::{
-    Meeting, Root, Side, Turn, Turned, advance, components, direction, identity, linear,
+use crate::closed_form::geometry::axes::Geometry;
+use crate::closed_form::geometry::candidate::{BRANCHES, Candidate, value, values};
+use crate::closed_form::geometry::turn::{
+    Link, Meeting, Root, Side, Turn, Turned, advance, components, direction, identity, linear,
+    minus,
 };
 use crate::lanes::{Real, V3, axpy, blend, cross, dot, hypotenuse, scale, select3, splat3, sub};
 use crate::task::Goal;
@@ -32,7 +33,7 @@ pub struct Srs {
 
 /// The elbow of a lane group: one of the two ways to bend it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Elbow<R> {
+pub(crate) struct Elbow<R> {
     /// Turn of the fourth joint.
     pub turn: Turn<R>,
     /// Its value, rad.
@@ -70,14 +71,14 @@ impl<R: Real> Elbow<R> {
 
 /// What does not depend on the arm angle.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Reached<R> {
+pub(crate) struct Reached<R> {
     pub elbows: [Elbow<R>; 2],
     pub line: Line<R>,
 }
 
 /// What does not depend on the elbow either.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Line<R> {
+pub(crate) struct Line<R> {
     /// Distance from shoulder to wrist, m.
     length: R,
     /// Directions seen from the base: to the wrist, that of the elbow at arm angle zero,
@@ -132,7 +133,7 @@ impl Srs {
 
     /// The parts of the solution that hold for every arm angle.
     #[inline(always)]
-    pub(super) fn reach<R: Real>(
+    pub(crate) fn reach<R: Real>(
         &self,
         goal: &Goal<R>,
         tool: [f64; 3],
@@ -205,7 +206,7 @@ impl Srs {
         let (bent, _) = direction(cross(hinge, along));
         let side = select3::<R>(straight, bent, side);
         let phase = self.phase.sin_cos();
-        let turn = super::turn::minus((s, c), (R::splat(phase.0), R::splat(phase.1)));
+        let turn = minus((s, c), (R::splat(phase.0), R::splat(phase.1)));
         Elbow {
             turn,
             fourth: value(turn, self.geometry.links[3].theta),
@@ -225,7 +226,7 @@ impl Srs {
 
     /// The orientation of the third link at an arm angle (sine and cosine).
     #[inline(always)]
-    pub(super) fn third_link<R: Real>(
+    pub(crate) fn third_link<R: Real>(
         &self,
         line: &Line<R>,
         elbow: &Elbow<R>,
@@ -240,7 +241,7 @@ impl Srs {
 
     /// What is left to the wrist, as columns x and z, where the third link stands so.
     #[inline(always)]
-    pub(super) fn left_to_wrist<R: Real>(
+    pub(crate) fn left_to_wrist<R: Real>(
         &self,
         line: &Line<R>,
         elbow: &Elbow<R>,
@@ -270,7 +271,7 @@ impl Srs {
 
     /// [`Self::solve`] after [`Self::reach`].
     #[inline(always)]
-    pub(super) fn solve_at<R: Real>(
+    pub(crate) fn solve_at<R: Real>(
         &self,
         at: &Reached<R>,
         angle: Turn<R>,
@@ -317,7 +318,7 @@ impl Srs {
     /// One branch at an arm angle (sine and cosine): that of an elbow and of the sides of
     /// shoulder and wrist.
     #[inline(always)]
-    pub(super) fn one<R: Real>(
+    pub(crate) fn one<R: Real>(
         &self,
         line: &Line<R>,
         elbow: &Elbow<R>,
@@ -377,13 +378,13 @@ impl Srs {
     }
 
     /// Shoulder and wrist.
-    pub(super) fn meetings(&self) -> (&Meeting, &Meeting) {
+    pub(crate) fn meetings(&self) -> (&Meeting, &Meeting) {
         (&self.shoulder, &self.wrist)
     }
 
     /// What a joint's turn is counted from, rad.
     #[inline(always)]
-    pub(super) fn offset(&self, joint: usize) -> f64 {
+    pub(crate) fn offset(&self, joint: usize) -> f64 {
         self.geometry.offset(joint)
     }
 
@@ -397,7 +398,7 @@ impl Srs {
             frame = if j < 2 {
                 advance(frame, turn, &g.links[j])
             } else {
-                let none = super::geometry::Link { sine: 0.0, cosine: 1.0, ..g.links[2] };
+                let none = Link { sine: 0.0, cosine: 1.0, ..g.links[2] };
                 advance(frame, turn, &none)
             };
         }

@@ -7,29 +7,13 @@
 
 use nalgebra::Vector3;
 
-use super::check::Limit;
-use super::turn::Turn;
+use super::limit::Limit;
+use super::turn::{Link, Turn};
 use crate::chain::{Chain, Compiled, Variable};
 use crate::kinematics::{Workspace, forward};
 
 /// Lengths below this share of the reach count as zero, and sines below it as well.
 pub const TOLERANCE: f64 = 1e-6;
-
-/// The constant way from one axis to the next: along the axis, then along the common
-/// normal, then about it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Link {
-    /// Angle of the common normal at joint value 0, rad; from the one before.
-    pub theta: f64,
-    /// Way along the axis to the common normal, m.
-    pub d: f64,
-    /// Length of the common normal, m.
-    pub a: f64,
-    /// Sine of the angle to the next axis.
-    pub sine: f64,
-    /// Cosine of the angle to the next axis.
-    pub cosine: f64,
-}
 
 /// Axes of `n` revolute joints: `n - 1` links between them.
 #[derive(Debug, Clone, PartialEq)]

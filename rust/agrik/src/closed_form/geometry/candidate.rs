@@ -1,7 +1,7 @@
 //! The branches of one lane group: joint values, and what is known of each branch.
 
 use super::turn::Turn;
-use crate::lanes::{Real, atan2, atan2_each};
+use crate::lanes::{Lanes, Real, atan2, atan2_each};
 
 /// Most branches of any closed form here.
 pub const BRANCHES: usize = 8;
@@ -14,9 +14,6 @@ pub const SHOULDER: u8 = 1;
 pub const ELBOW: u8 = 2;
 /// The first and the last axis of the wrist are in line.
 pub const WRIST: u8 = 4;
-
-/// Lanes (one bit each) in which something holds.
-pub type Lanes = u32;
 
 /// A branch of one closed form, one target a lane.
 #[derive(Debug, Clone, Copy)]

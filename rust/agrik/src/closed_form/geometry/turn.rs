@@ -1,6 +1,5 @@
 //! Angles as sine and cosine: what the closed forms compute with until the very end.
 
-use super::geometry::Link;
 use crate::lanes::{Real, V3, blend, dot, scale};
 
 /// Sine and cosine of an angle.
@@ -12,6 +11,22 @@ const MERGED: f64 = 1e-9;
 const OPEN: f64 = 1e-12;
 /// Below this sine a solution is reported as singular.
 pub const SINGULAR: f64 = 1e-6;
+
+/// The constant way from one axis to the next: along the axis, then along the common
+/// normal, then about it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Link {
+    /// Angle of the common normal at joint value 0, rad; from the one before.
+    pub theta: f64,
+    /// Way along the axis to the common normal, m.
+    pub d: f64,
+    /// Length of the common normal, m.
+    pub a: f64,
+    /// Sine of the angle to the next axis.
+    pub sine: f64,
+    /// Cosine of the angle to the next axis.
+    pub cosine: f64,
+}
 
 /// Which of the two solutions of an equation each lane takes.
 #[derive(Debug, Clone, Copy)]

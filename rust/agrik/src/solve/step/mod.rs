@@ -1,8 +1,8 @@
 //! Steps: from an error and a Jacobian to a change of the joint values.
 
-mod closed;
 mod damped;
 mod gains;
+mod normal_equations;
 mod pace;
 mod pseudo_inverse;
 pub(super) mod pulled;
@@ -307,7 +307,7 @@ impl Step {
         change: &mut [R],
     ) {
         match *self {
-            Self::ClosedPseudoInverse => closed::step(columns, error, change),
+            Self::ClosedPseudoInverse => normal_equations::step(columns, error, change),
             Self::Transpose => transpose::step(columns, error, change),
             Self::FixedTranspose { alpha } => transpose::fixed_step(columns, error, alpha, change),
             Self::PseudoInverse { cutoff } => pseudo_inverse::step(columns, error, cutoff, change),
