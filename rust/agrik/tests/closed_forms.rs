@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use agrik::call::{Goals, Starts, Status, Tolerance, solve};
 use agrik::chain::{Chain, DhConvention, DhRow, JointKind};
-use agrik::closed_form::{ArmAngle, BRANCHES, Choice, ClosedForm, Kind, Query, all};
+use agrik::closed_form::{ArmAngle, Choice, ClosedForm, Kind, Query, all};
 use agrik::kinematics::{Workspace, tool_pose};
 use agrik::task::Task;
 use common::Sampler;
@@ -90,7 +90,7 @@ fn check(chain: &Chain, count: usize, accuracy: f64, sampler: &mut Sampler) -> f
     let mut again = 0;
     for (row, q) in q.chunks_exact(dof).enumerate() {
         let mut nearest = f64::INFINITY;
-        for b in row * BRANCHES..(row + 1) * BRANCHES {
+        for b in row * found.branches..(row + 1) * found.branches {
             if !found.reached[b] {
                 continue;
             }

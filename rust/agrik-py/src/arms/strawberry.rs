@@ -1,9 +1,9 @@
 //! The class `StrawberryArm`: the strawberry arm's closed forms over arrays.
 
-use agrik::call::Answers;
-use agrik::closed_form::strawberry::{
+use agrik::arms::strawberry::{
     Arm, Interval, Joints, Method, Parameters, Rules, SlopeCase, ThetaRule,
 };
+use agrik::call::Answers;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
+use agrik::arms::tomato::{Arm, Joints};
 use agrik::call::{Aim, Goals, Request, Starts, Tolerance, solve};
-use agrik::closed_form::tomato::{Arm, Joints};
 use agrik::solve::{Pace, Plan, Settings, StartRule, Step};
 use agrik::task::Task;
 use numpy::PyArrayDyn;
@@ -76,7 +76,7 @@ impl TomatoArm {
         let mut valid = Vec::with_capacity(points.len() * 4);
         let mut outcome = Vec::with_capacity(points.len());
         for target in points {
-            use agrik::closed_form::tomato::Outcome;
+            use agrik::arms::tomato::Outcome;
             match self.0.branches(*target, pan) {
                 Ok(all) => {
                     q.extend(all.q.concat());

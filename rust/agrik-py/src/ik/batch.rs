@@ -2,7 +2,7 @@
 
 use agrik::call::solve as solve_call;
 use agrik::chain::Chain;
-use agrik::closed_form::{self, BRANCHES, Choice, Query};
+use agrik::closed_form::{self, Choice, ClosedForm, Query};
 use agrik::lanes::Level;
 use agrik::solve::population::Evolution;
 use agrik::solvers::Solver;
@@ -70,7 +70,8 @@ pub fn solve_all<'py>(
             .map(|all| (all, None))
     } else {
         // NumPy asks for large pages, which makes filling fresh memory several times cheaper.
-        let shape = [leading, &[BRANCHES, chain.dof()]].concat();
+        let branches = ClosedForm::of(chain).map_or(0, ClosedForm::branches);
+        let shape = [leading, &[branches, chain.dof()]].concat();
         let array = PyArrayDyn::<f64>::zeros(py, shape, false);
         let mut open = array.try_readwrite().map_err(convert::internal)?;
         let q = open.as_slice_mut().map_err(convert::internal)?;

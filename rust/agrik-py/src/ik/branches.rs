@@ -1,9 +1,10 @@
 //! The record of all branches of a call; its arrays are made when they are asked for.
 
 use agrik::call::Status;
-use agrik::closed_form::{self, Alone, BRANCHES};
+use agrik::closed_form::{self, Alone};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
+use smallvec::SmallVec;
 
 use crate::convert::copied;
 use crate::result::Column;
@@ -13,6 +14,7 @@ use crate::result::Column;
 pub struct Branches {
     shape: Vec<usize>,
     dof: usize,
+    branches: usize,
     targets: usize,
     solved: usize,
     /// The branches of a single target, in place of the columns' own numbers.
@@ -37,6 +39,7 @@ impl Branches {
         Self {
             shape,
             dof,
+            branches: all.branches,
             targets: all.status.len(),
             solved,
             alone: None,
@@ -53,6 +56,7 @@ impl Branches {
         Self {
             shape: Vec::new(),
             dof,
+            branches: alone.branches(),
             targets: 1,
             solved: usize::from(alone.status() == Status::Converged),
             alone: Some(alone),
@@ -72,10 +76,11 @@ impl Branches {
 /// One number for each branch of a single target.
 fn each<'py, T: numpy::Element + Copy>(
     py: Python<'py>,
-    number: impl Fn(usize) -> T,
+    one: &Alone,
+    number: impl Fn(&Alone, usize) -> T,
 ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
-    let numbers: [T; BRANCHES] = std::array::from_fn(number);
-    copied(py, &[BRANCHES], &numbers)
+    let numbers: SmallVec<[T; 16]> = (0..one.branches()).map(|b| number(one, b)).collect();
+    copied(py, &[one.branches()], &numbers)
 }
 
 #[pymethods]
@@ -84,17 +89,17 @@ impl Branches {
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let Some(one) = &self.alone else {
-            return self.q.get(py, &self.with(&[BRANCHES, self.dof]));
+            return self.q.get(py, &self.with(&[self.branches, self.dof]));
         };
-        self.q.get_or(py, || copied(py, &[BRANCHES, self.dof], one.q()))
+        self.q.get_or(py, || copied(py, &[self.branches, self.dof], one.q()))
     }
 
     /// Reached by forward kinematics, inside the limits, no branch twice.
     #[getter]
     fn valid<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<bool>>> {
         match &self.alone {
-            None => self.valid.get(py, &self.with(&[BRANCHES])),
-            Some(one) => self.valid.get_or(py, || each(py, |b| one.valid(b))),
+            None => self.valid.get(py, &self.with(&[self.branches])),
+            Some(one) => self.valid.get_or(py, || each(py, one, Alone::valid)),
         }
     }
 
@@ -102,8 +107,8 @@ impl Branches {
     #[getter]
     fn reached<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<bool>>> {
         match &self.alone {
-            None => self.reached.get(py, &self.with(&[BRANCHES])),
-            Some(one) => self.reached.get_or(py, || each(py, |b| one.reached(b))),
+            None => self.reached.get(py, &self.with(&[self.branches])),
+            Some(one) => self.reached.get_or(py, || each(py, one, Alone::reached)),
         }
     }
 
@@ -111,8 +116,8 @@ impl Branches {
     #[getter]
     fn singular<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
         match &self.alone {
-            None => self.singular.get(py, &self.with(&[BRANCHES])),
-            Some(one) => self.singular.get_or(py, || each(py, |b| one.singular(b))),
+            None => self.singular.get(py, &self.with(&[self.branches])),
+            Some(one) => self.singular.get_or(py, || each(py, one, Alone::singular)),
         }
     }
 

@@ -13,7 +13,7 @@ use crate::call::Request;
 use crate::closed_form::branch::group::{Group, Job};
 use crate::closed_form::families::ClosedForm;
 use crate::closed_form::families::srs::{Elbow, Reached, Srs};
-use crate::closed_form::geometry::candidate::BRANCHES;
+use crate::closed_form::geometry::candidate::MOST_BRANCHES;
 use crate::closed_form::geometry::limit::{Limit, SLACK};
 use crate::closed_form::geometry::turn::{Meeting, Side, advance, components};
 use crate::error::{Error, Result};
@@ -65,8 +65,8 @@ pub(crate) fn intervals_of(
     arm: &Srs,
     at: &Reached<f64>,
     limits: &[Limit],
-) -> [Vec<Interval>; BRANCHES] {
-    let mut out: [Vec<Interval>; BRANCHES] = Default::default();
+) -> [Vec<Interval>; MOST_BRANCHES] {
+    let mut out: [Vec<Interval>; MOST_BRANCHES] = Default::default();
     let joints = |first: usize| [0, 1, 2].map(|j| (limits[first + j], arm.offset(first + j)));
     let (one, two) = arm.meetings();
     for bent in elbows(arm, at, limits) {
@@ -267,6 +267,6 @@ pub fn intervals(request: &Request<'_>) -> Result<Vec<Vec<Interval>>> {
     let at = arm.reach(&group.goal, group.job.tool(), &group.near.preferred);
     let found = intervals_of(arm, &at, group.job.limits());
     // A wrist too far away is so at every arm angle.
-    let reached = (0..BRANCHES).map(|b| group.reaches(b));
+    let reached = (0..MOST_BRANCHES).map(|b| group.reaches(b));
     Ok(found.into_iter().zip(reached).map(|(all, ok)| if ok { all } else { Vec::new() }).collect())
 }

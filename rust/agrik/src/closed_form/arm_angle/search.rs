@@ -15,7 +15,7 @@ use super::sweep::{Moving, Sweep, Weight, cost_of_one, joined};
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::branch::group::Group;
 use crate::closed_form::families::srs::{Elbow, Line, Reached, Srs};
-use crate::closed_form::geometry::candidate::{BRANCHES, JOINTS};
+use crate::closed_form::geometry::candidate::{JOINTS, MOST_BRANCHES};
 use crate::closed_form::geometry::limit::SLACK;
 use crate::closed_form::geometry::turn::{Side, Turn, minus};
 use crate::lanes::{Lanes, Real, atan2};
@@ -226,7 +226,7 @@ fn least<R: Real>(
 fn certified(arm: &Srs, single: &mut Group<'_, f64>, choice: Choice, best: &mut Best) -> f64 {
     single.solve();
     // A wrist too far away is so at every arm angle.
-    if !(0..BRANCHES).any(|b| single.reaches(b)) {
+    if !(0..MOST_BRANCHES).any(|b| single.reaches(b)) {
         return proof::TOLERANCE;
     }
     let limits = single.job.limits();

@@ -7,7 +7,7 @@ use crate::call::Request;
 use crate::closed_form::families::ClosedForm;
 use crate::closed_form::families::srs::{Elbow, Line, Reached, Srs};
 use crate::closed_form::geometry::axes::Geometry;
-use crate::closed_form::geometry::candidate::{BRANCHES, Candidate, JOINTS};
+use crate::closed_form::geometry::candidate::{Candidate, JOINTS, MOST_BRANCHES};
 use crate::closed_form::geometry::limit::Limit;
 use crate::closed_form::geometry::turn::{Side, Turn};
 use crate::kinematics::{Workspace, forward};
@@ -180,13 +180,13 @@ pub(crate) struct Group<'a, R> {
     pub goal: Goal<R>,
     /// Sine and cosine of the arm angle.
     pub angle: Turn<R>,
-    pub candidates: [Candidate<R>; BRANCHES],
-    pub reached: [Lanes; BRANCHES],
-    pub inside: [Lanes; BRANCHES],
+    pub candidates: [Candidate<R>; MOST_BRANCHES],
+    pub reached: [Lanes; MOST_BRANCHES],
+    pub inside: [Lanes; MOST_BRANCHES],
     /// Squared distance left, m^2.
-    pub position2: [R; BRANCHES],
+    pub position2: [R; MOST_BRANCHES],
     /// Squared chord left between the wanted and the present axes.
-    pub chord2: [R; BRANCHES],
+    pub chord2: [R; MOST_BRANCHES],
 }
 
 impl<'a, R: Real> Group<'a, R> {
@@ -196,11 +196,11 @@ impl<'a, R: Real> Group<'a, R> {
             near: Near::middle(job.geometry),
             goal: Goal::zero(),
             angle: (R::zero(), R::splat(1.0)),
-            candidates: [Candidate::none(); BRANCHES],
-            reached: [0; BRANCHES],
-            inside: [0; BRANCHES],
-            position2: [R::zero(); BRANCHES],
-            chord2: [R::zero(); BRANCHES],
+            candidates: [Candidate::none(); MOST_BRANCHES],
+            reached: [0; MOST_BRANCHES],
+            inside: [0; MOST_BRANCHES],
+            position2: [R::zero(); MOST_BRANCHES],
+            chord2: [R::zero(); MOST_BRANCHES],
             job,
         }
     }
@@ -278,7 +278,7 @@ impl<'a, R: Real> Group<'a, R> {
 
     /// The best of the branches that are among `valid`, one mask of lanes a branch.
     #[inline(always)]
-    pub fn pick(&self, choice: Choice, valid: &[Lanes; BRANCHES]) -> Best<R> {
+    pub fn pick(&self, choice: Choice, valid: &[Lanes; MOST_BRANCHES]) -> Best<R> {
         let mut best = Best { cost: R::splat(f64::INFINITY), branch: R::zero(), found: 0 };
         for (b, lanes) in valid.iter().enumerate() {
             if *lanes == 0 {

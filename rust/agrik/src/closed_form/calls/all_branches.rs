@@ -6,7 +6,6 @@ use super::one_pose::Alone;
 use super::query::{FEW, Query, RUN};
 use crate::call::Status;
 use crate::closed_form::branch::group::Group;
-use crate::closed_form::geometry::candidate::BRANCHES;
 use crate::error::{Error, Result};
 use crate::lanes::{Kernel, Level, Real, dispatch};
 use crate::threads::share;
@@ -14,26 +13,27 @@ use crate::threads::share;
 /// All branches of every target, on `threads` threads (0: the number in force); `poll` as
 /// for [`crate::call::solve`].
 pub fn all(query: &Query<'_>, threads: usize, poll: &mut dyn FnMut() -> bool) -> Result<Branches> {
-    let mut q = vec![0.0; query.request.len() * BRANCHES * query.chain().dof()];
+    let mut q = vec![0.0; query.request.len() * query.form.branches() * query.chain().dof()];
     let mut branches = all_into(query, &mut q, threads, poll)?;
     branches.q = q;
     Ok(branches)
 }
 
-/// [`all`] with the joint values written to `q` ([`BRANCHES`] times `dof` numbers a
-/// target) and not to the record.
+/// [`all`] with the joint values written to `q` (branches of the family times `dof` numbers
+/// a target) and not to the record.
 pub fn all_into(
     query: &Query<'_>,
     q: &mut [f64],
     threads: usize,
     poll: &mut dyn FnMut() -> bool,
 ) -> Result<Branches> {
-    let wanted = query.request.len() * BRANCHES * query.chain().dof();
+    let count = query.form.branches();
+    let wanted = query.request.len() * count * query.chain().dof();
     if q.len() != wanted {
         return Err(Error::argument("q", format!("room for {wanted} numbers"), q.len()));
     }
     let level = Level::in_use();
-    let mut branches = Branches::new(query.request.len());
+    let mut branches = Branches::new(query.request.len(), count);
     let rows = branches.as_mut_with(q);
     let few = rows.len() <= FEW;
     let work = |mut rows: BranchesMut<'_>| {
@@ -88,8 +88,8 @@ fn write<R: Real>(
     i: usize,
 ) {
     let variables = group.job.variables();
-    let joints = variables.len();
-    let q = &mut rows.q[i * BRANCHES * joints..(i + 1) * BRANCHES * joints];
+    let (joints, count) = (variables.len(), group.job.form.branches());
+    let q = &mut rows.q[i * count * joints..(i + 1) * count * joints];
     if bad {
         rows.status[i] = Status::BadInput as u8;
         for one in q.chunks_exact_mut(joints) {
@@ -107,9 +107,9 @@ fn write<R: Real>(
         let valid = reached && group.inside[b] >> lane & 1 != 0;
         any_reached |= reached;
         any_valid |= valid;
-        rows.reached[i * BRANCHES + b] = reached;
-        rows.valid[i * BRANCHES + b] = valid;
-        rows.singular[i * BRANCHES + b] = if reached { candidate.flags(lane) } else { 0 };
+        rows.reached[i * count + b] = reached;
+        rows.valid[i * count + b] = valid;
+        rows.singular[i * count + b] = if reached { candidate.flags(lane) } else { 0 };
     }
     rows.status[i] = status(group.job.form, any_valid, any_reached) as u8;
 }
@@ -126,19 +126,19 @@ impl Kernel for OneByOne<'_, '_> {
     fn run<R: Real>(self) {
         let (query, rows) = (self.query, self.rows);
         let job = query.job();
-        let joints = job.variables().len();
+        let (joints, count) = (job.variables().len(), job.form.branches());
         for i in 0..rows.len() {
-            let mut found = Alone::new(joints);
+            let mut found = Alone::new(&job);
             match query.alone::<R>(&job, rows.first + i) {
                 Some(target) => found.solve(&job, &target, None),
                 None => found.stand_in(&job),
             }
-            let room = BRANCHES * joints;
+            let room = count * joints;
             rows.q[i * room..(i + 1) * room].copy_from_slice(found.q());
-            for b in 0..BRANCHES {
-                rows.reached[i * BRANCHES + b] = found.reached(b);
-                rows.valid[i * BRANCHES + b] = found.valid(b);
-                rows.singular[i * BRANCHES + b] = found.singular(b);
+            for b in 0..count {
+                rows.reached[i * count + b] = found.reached(b);
+                rows.valid[i * count + b] = found.valid(b);
+                rows.singular[i * count + b] = found.singular(b);
             }
             rows.status[i] = found.status() as u8;
         }

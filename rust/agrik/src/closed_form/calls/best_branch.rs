@@ -8,7 +8,7 @@ use crate::closed_form::arm_angle::search;
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::branch::group::{Group, Job};
 use crate::closed_form::families::{ClosedForm, Srs};
-use crate::closed_form::geometry::candidate::{BRANCHES, JOINTS};
+use crate::closed_form::geometry::candidate::{JOINTS, MOST_BRANCHES};
 use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
 use crate::task::{Goal, rotation_between};
 
@@ -99,14 +99,14 @@ fn alone_best<R: Real>(
         return;
     };
     target.near.judged_by(choice, job.geometry);
-    let mut found = Alone::new(job.variables().len());
+    let mut found = Alone::new(job);
     let mut left = Left::new();
     found.solve(job, &target, Some((&mut left, choice)));
     if let Some(b) = found.best(&left) {
         let outcome = reached(left.position2[b], left.chord2[b]);
         rows.finish(i, outcome).copy_from_slice(found.branch(b));
     } else {
-        let branches = (0..BRANCHES).map(|b| found.branch(b));
+        let branches = (0..found.branches()).map(|b| found.branch(b));
         let status = status(job.form, false, found.reached != 0);
         nearest(job, &target.goal, branches, status, rows, i);
     }
@@ -150,7 +150,7 @@ impl Kernel for InLanes<'_, '_> {
                 continue;
             }
             group.solve();
-            let mut valid = [0; BRANCHES];
+            let mut valid = [0; MOST_BRANCHES];
             for (b, lanes) in valid.iter_mut().enumerate() {
                 *lanes = group.valid(b);
             }
@@ -211,7 +211,7 @@ fn none<R: Real>(
     let any_reached = group.reached.iter().any(|lanes| lanes >> lane & 1 != 0);
     let status =
         if proven { Status::OutOfReach } else { status(group.job.form, false, any_reached) };
-    let mut branches = [[0.0; JOINTS]; BRANCHES];
+    let mut branches = [[0.0; JOINTS]; MOST_BRANCHES];
     for (q, candidate) in branches.iter_mut().zip(&group.candidates) {
         for (x, variable) in candidate.q.iter().zip(group.job.variables()) {
             q[*variable] = x.lane(lane);

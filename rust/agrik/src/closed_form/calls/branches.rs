@@ -1,11 +1,13 @@
 //! The record of all branches of the targets of a call.
 
 use crate::call::Status;
-use crate::closed_form::geometry::candidate::BRANCHES;
 
-/// All branches of each target: [`BRANCHES`] rows of `dof` joint values a target.
+/// All branches of each target: as many rows of `dof` joint values as its family has
+/// branches.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Branches {
+    /// Branches a target.
+    pub branches: usize,
     /// Joint values, rad; where a branch does not exist those that come nearest.
     pub q: Vec<f64>,
     /// Reached by forward kinematics, inside the limits, and not an earlier branch again.
@@ -21,12 +23,13 @@ pub struct Branches {
 
 impl Branches {
     /// Room for `rows` targets, but for their joint values.
-    pub(crate) fn new(rows: usize) -> Self {
+    pub(crate) fn new(rows: usize, branches: usize) -> Self {
         Self {
+            branches,
             q: Vec::new(),
-            valid: vec![false; rows * BRANCHES],
-            reached: vec![false; rows * BRANCHES],
-            singular: vec![0; rows * BRANCHES],
+            valid: vec![false; rows * branches],
+            reached: vec![false; rows * branches],
+            singular: vec![0; rows * branches],
             status: vec![Status::NotFound as u8; rows],
         }
     }
@@ -68,12 +71,13 @@ impl<'a> BranchesMut<'a> {
 
     /// The targets in runs of at most `size`.
     pub fn split(self, size: usize) -> Vec<Self> {
-        let wide = (self.q.len() / self.status.len().max(1) * size).max(1);
+        let a_target = |numbers: usize| (numbers / self.status.len().max(1) * size).max(1);
+        let (wide, branches) = (a_target(self.q.len()), a_target(self.valid.len()));
         self.q
             .chunks_mut(wide)
-            .zip(self.valid.chunks_mut(BRANCHES * size))
-            .zip(self.reached.chunks_mut(BRANCHES * size))
-            .zip(self.singular.chunks_mut(BRANCHES * size))
+            .zip(self.valid.chunks_mut(branches))
+            .zip(self.reached.chunks_mut(branches))
+            .zip(self.singular.chunks_mut(branches))
             .zip(self.status.chunks_mut(size))
             .enumerate()
             .map(|(i, ((((q, valid), reached), singular), status))| BranchesMut {

@@ -7,22 +7,20 @@ use super::query::{Query, Target};
 use crate::call::Status;
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::branch::group::Job;
-use crate::closed_form::geometry::candidate::{BRANCHES, JOINTS};
+use crate::closed_form::geometry::candidate::{JOINTS, MOST_BRANCHES};
 use crate::lanes::{Kernel, Lanes, Level, Real, dispatch};
 use crate::task::Goal;
-
-/// Pairs of branches: the two ways to turn a wrist at the end of an arm.
-const PAIRS: usize = BRANCHES / 2;
 
 /// The branches of one target.
 #[derive(Debug, Clone)]
 pub struct Alone {
     joints: usize,
-    q: [f64; BRANCHES * JOINTS],
+    branches: usize,
+    q: [f64; MOST_BRANCHES * JOINTS],
     /// One bit a branch.
     pub(crate) reached: Lanes,
     inside: Lanes,
-    singular: [u8; BRANCHES],
+    singular: [u8; MOST_BRANCHES],
     status: Status,
 }
 
@@ -30,38 +28,44 @@ pub struct Alone {
 #[derive(Debug, Clone)]
 pub(crate) struct Left {
     /// Squared distance, m^2.
-    pub position2: [f64; BRANCHES],
+    pub position2: [f64; MOST_BRANCHES],
     /// Squared chord between the wanted and the present axes.
-    pub chord2: [f64; BRANCHES],
+    pub chord2: [f64; MOST_BRANCHES],
     /// Cost by a choice.
-    pub cost: [f64; BRANCHES],
+    pub cost: [f64; MOST_BRANCHES],
 }
 
 impl Left {
     /// Nothing known.
     pub fn new() -> Self {
-        let far = [f64::INFINITY; BRANCHES];
+        let far = [f64::INFINITY; MOST_BRANCHES];
         Self { position2: far, chord2: far, cost: far }
     }
 }
 
 impl Alone {
     /// No branch yet.
-    pub(crate) fn new(joints: usize) -> Self {
+    pub(crate) fn new(job: &Job<'_>) -> Self {
         Self {
-            joints,
-            q: [0.0; BRANCHES * JOINTS],
+            joints: job.variables().len(),
+            branches: job.form.branches(),
+            q: [0.0; MOST_BRANCHES * JOINTS],
             reached: 0,
             inside: 0,
-            singular: [0; BRANCHES],
+            singular: [0; MOST_BRANCHES],
             status: Status::BadInput,
         }
     }
 
-    /// Joint values, [`BRANCHES`] rows of `dof`, rad; as in [`super::Branches`].
+    /// How many branches, existing or not.
+    pub fn branches(&self) -> usize {
+        self.branches
+    }
+
+    /// Joint values, a row of `dof` for each branch, rad; as in [`super::Branches`].
     #[inline(always)]
     pub fn q(&self) -> &[f64] {
-        &self.q[..BRANCHES * self.joints]
+        &self.q[..self.branches * self.joints]
     }
 
     /// Joint values of a branch, rad.
@@ -118,11 +122,13 @@ impl Alone {
         let (near, (sine, cosine)) = (&target.near, target.angle.sin_cos());
         let angle = (R::splat(sine), R::splat(cosine));
         (self.reached, self.inside) = (0, 0);
+        // Both families have two ways to turn the wrist at the end of each arm.
+        let pairs = job.form.branches() / 2;
         let mut first = 0;
-        while first < PAIRS {
+        while first < pairs {
             let mut pair = job.form.side_by_side(&goal, job.tool(), angle, &near.preferred, first);
             let (inside, missed) = job.settle(&mut pair, &goal, &near.centre);
-            let lanes = R::WIDTH.min(PAIRS - first);
+            let lanes = R::WIDTH.min(pairs - first);
             for (way, candidate) in pair.iter().enumerate() {
                 let (position2, chord2) = missed[way];
                 let reached = job.exact.is_near(position2, chord2) & !candidate.merged;
@@ -156,10 +162,10 @@ impl Alone {
 
     /// The record of a target that is no pose.
     pub(crate) fn stand_in(&mut self, job: &Job<'_>) {
-        for one in self.q.chunks_exact_mut(self.joints).take(BRANCHES) {
+        for one in self.q.chunks_exact_mut(self.joints).take(self.branches) {
             job.stand_in(one);
         }
-        (self.reached, self.inside, self.singular) = (0, 0, [0; BRANCHES]);
+        (self.reached, self.inside, self.singular) = (0, 0, [0; MOST_BRANCHES]);
         self.status = Status::BadInput;
     }
 }
@@ -181,7 +187,7 @@ fn everywhere<R: Real>(goal: &Goal<f64>) -> Goal<R> {
 pub fn alone(query: &Query<'_>) -> Box<Alone> {
     let job = query.job();
     // Half a kilobyte that is handed on a few times.
-    let mut out = Box::new(Alone::new(job.variables().len()));
+    let mut out = Box::new(Alone::new(&job));
     dispatch(Level::in_use(), Branching { job: &job, query, out: &mut out });
     out
 }

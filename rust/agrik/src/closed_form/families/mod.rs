@@ -9,11 +9,17 @@ pub use spherical_wrist::SphericalWrist;
 pub use srs::Srs;
 
 use super::geometry::axes::Geometry;
-use super::geometry::candidate::{BRANCHES, Candidate};
+use super::geometry::candidate::{Candidate, MOST_BRANCHES};
 use super::geometry::turn::Turn;
 use crate::chain::Chain;
 use crate::lanes::Real;
 use crate::task::Goal;
+
+/// What is known of a family before any of its arms.
+pub trait Family {
+    /// Most solutions that a target can have: rows of a target in a record of branches.
+    const BRANCHES: usize;
+}
 
 /// A chain's family with its numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,6 +65,15 @@ impl ClosedForm {
         }
     }
 
+    /// Most solutions that a target can have.
+    #[inline(always)]
+    pub fn branches(&self) -> usize {
+        match self {
+            Self::SphericalWrist(_) => SphericalWrist::BRANCHES,
+            Self::Srs(_) => Srs::BRANCHES,
+        }
+    }
+
     /// The axes.
     pub fn geometry(&self) -> &Geometry {
         match self {
@@ -67,7 +82,7 @@ impl ClosedForm {
         }
     }
 
-    /// All branches of a lane group; see the families.
+    /// All branches of a lane group, the first ones of `out`; see the families.
     #[inline(always)]
     pub fn solve<R: Real>(
         &self,
@@ -75,7 +90,7 @@ impl ClosedForm {
         tool: [f64; 3],
         angle: Turn<R>,
         preferred: &[Turn<R>],
-        out: &mut [Candidate<R>; BRANCHES],
+        out: &mut [Candidate<R>; MOST_BRANCHES],
     ) {
         match self {
             Self::SphericalWrist(arm) => arm.solve(goal, tool, preferred, out),

@@ -4,9 +4,10 @@
 //! its place (see [`super::shoulder`]), at most four ways; the last three follow from the
 //! orientation that is left, two ways each.
 
+use super::Family;
 use super::shoulder::{Arm, Kind, Shoulder};
 use crate::closed_form::geometry::axes::Geometry;
-use crate::closed_form::geometry::candidate::{BRANCHES, Candidate, values};
+use crate::closed_form::geometry::candidate::{Candidate, MOST_BRANCHES, values};
 use crate::closed_form::geometry::turn::{Meeting, Side, Turn, advance, components, identity};
 use crate::lanes::{Real, V3, axpy, splat3, sub};
 use crate::task::Goal;
@@ -20,6 +21,11 @@ pub struct SphericalWrist {
     geometry: Geometry,
     shoulder: Shoulder,
     wrist: Meeting,
+}
+
+/// Up to four postures of the first three joints, two ways to turn the wrist.
+impl Family for SphericalWrist {
+    const BRANCHES: usize = 8;
 }
 
 impl SphericalWrist {
@@ -57,7 +63,7 @@ impl SphericalWrist {
         goal: &Goal<R>,
         tool: [f64; 3],
         preferred: &[Turn<R>],
-        out: &mut [Candidate<R>; BRANCHES],
+        out: &mut [Candidate<R>; MOST_BRANCHES],
     ) {
         let wanted = self.wanted(goal, tool);
         let arms = self.shoulder.solve(wanted.center, &first_three(preferred));

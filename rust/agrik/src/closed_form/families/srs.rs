@@ -7,9 +7,10 @@
 //! direction to the wrist. With it the orientations of upper arm and forearm are known,
 //! and each spherical joint has two ways to take them on.
 
+use super::Family;
 use super::spherical_wrist::wrist_center;
 use crate::closed_form::geometry::axes::Geometry;
-use crate::closed_form::geometry::candidate::{BRANCHES, Candidate, value, values};
+use crate::closed_form::geometry::candidate::{Candidate, MOST_BRANCHES, value, values};
 use crate::closed_form::geometry::turn::{
     Link, Meeting, Root, Side, Turn, Turned, advance, components, direction, identity, linear,
     minus,
@@ -94,6 +95,11 @@ struct Three<R> {
     q: [R; 3],
     merged: u32,
     singular: u32,
+}
+
+/// Two ways to turn the shoulder, the elbow and the wrist each.
+impl Family for Srs {
+    const BRANCHES: usize = 8;
 }
 
 impl Srs {
@@ -263,7 +269,7 @@ impl Srs {
         tool: [f64; 3],
         angle: Turn<R>,
         preferred: &[Turn<R>],
-        out: &mut [Candidate<R>; BRANCHES],
+        out: &mut [Candidate<R>; MOST_BRANCHES],
     ) {
         let at = self.reach(goal, tool, preferred);
         self.solve_at(&at, angle, preferred, out);
@@ -276,7 +282,7 @@ impl Srs {
         at: &Reached<R>,
         angle: Turn<R>,
         preferred: &[Turn<R>],
-        out: &mut [Candidate<R>; BRANCHES],
+        out: &mut [Candidate<R>; MOST_BRANCHES],
     ) {
         let [one, two] = Side::both();
         for (elbow, four) in at.elbows.iter().zip(out.as_chunks_mut::<4>().0) {

@@ -3,8 +3,8 @@
 use super::turn::Turn;
 use crate::lanes::{Lanes, Real, atan2, atan2_each};
 
-/// Most branches of any closed form here.
-pub const BRANCHES: usize = 8;
+/// Most branches of any family here.
+pub const MOST_BRANCHES: usize = 8;
 /// Most joints of any closed form here.
 pub const JOINTS: usize = 7;
 
