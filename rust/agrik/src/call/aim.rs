@@ -1,7 +1,8 @@
 //! What counts as reached: the task, how near is near enough, and with which tool.
 
+use crate::Allowed;
 use crate::chain::{Chain, Tail};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::task::Task;
 
 /// How near is near enough.
@@ -22,14 +23,8 @@ impl Default for Tolerance {
 impl Tolerance {
     /// Refuses what no error can be below.
     fn check(&self) -> Result<()> {
-        for (name, value) in
-            [("position_tolerance", self.position), ("orientation_tolerance", self.orientation)]
-        {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(Error::argument(name, "a finite number above 0", value));
-            }
-        }
-        Ok(())
+        Allowed::POSITIVE.check("position_tolerance", self.position)?;
+        Allowed::POSITIVE.check("orientation_tolerance", self.orientation)
     }
 }
 

@@ -10,12 +10,16 @@ mod transpose;
 
 use std::sync::Arc;
 
-use crate::error::{Error, Result};
+use crate::Allowed;
+use crate::error::Result;
 use crate::lanes::Real;
 
 pub(super) use gains::{Feedback, Sparse, middle};
 pub use gains::{GainUnits, Matrix, Pid, PidOrder, StateSpace, StaticGain, frozen_gain};
 pub use pace::Pace;
+
+/// Whole numbers of which there must be one.
+pub(super) const COUNT: Allowed = Allowed::whole(1, u32::MAX);
 
 /// How a step is computed.
 ///
@@ -220,32 +224,24 @@ impl Settings {
 
     /// Refuses numbers outside their ranges.
     pub fn check(&self) -> Result<()> {
-        let (name, value, ok) = match &self.step {
-            Step::PseudoInverse { cutoff } => ("cutoff", *cutoff, *cutoff > 0.0 && *cutoff < 1.0),
-            Step::FixedTranspose { alpha } => ("alpha", *alpha, *alpha > 0.0 && alpha.is_finite()),
+        match &self.step {
+            Step::PseudoInverse { cutoff } => Allowed::below(1.0).check("cutoff", *cutoff)?,
+            Step::FixedTranspose { alpha } => Allowed::POSITIVE.check("alpha", *alpha)?,
             Step::Damped { damping } | Step::LevenbergMarquardt { damping } => {
-                ("damping", *damping, *damping > 0.0 && damping.is_finite())
+                Allowed::POSITIVE.check("damping", *damping)?;
             }
-            Step::IkPid(pid) => return pid.check().and(self.check_loop()),
-            Step::Broyden { patience, .. } => ("patience", f64::from(*patience), *patience > 0),
+            Step::IkPid(pid) => pid.check()?,
+            Step::Broyden { patience, .. } => COUNT.check("patience", *patience)?,
             // Matrices are checked against the chain when a plan is made.
-            _ => ("step", 0.0, true),
-        };
-        if !ok {
-            return Err(Error::argument(name, "a number in its range (see the solver)", value));
+            Step::Transpose
+            | Step::ClosedPseudoInverse
+            | Step::CyclicCoordinateDescent
+            | Step::StateSpace(_)
+            | Step::StaticGain(_) => {}
         }
-        self.check_loop()
-    }
-
-    fn check_loop(&self) -> Result<()> {
         self.pace.check()?;
-        if self.max_iterations == 0 {
-            return Err(Error::argument("max_iterations", "at least 1", 0));
-        }
-        if !(self.max_step > 0.0 && self.max_step.is_finite()) {
-            return Err(Error::argument("max_step", "a finite number above 0", self.max_step));
-        }
-        Ok(())
+        COUNT.check("max_iterations", self.max_iterations)?;
+        Allowed::POSITIVE.check("max_step", self.max_step)
     }
 }
 
