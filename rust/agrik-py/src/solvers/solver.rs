@@ -199,6 +199,13 @@ pub fn default_settings(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     Ok(all)
 }
 
+/// Refuse a solver whose settings are out of their ranges.
+#[pyfunction]
+pub fn check_solver(solver: &Bound<'_, PyAny>) -> PyResult<()> {
+    let py = solver.py();
+    chosen(Some(solver), "")?.check().map_err(|error| errors::from_core(py, error))
+}
+
 /// Return the names of all solvers, step solvers first.
 #[pyfunction]
 pub fn solver_names() -> Vec<&'static str> {
