@@ -5,7 +5,8 @@
 OLD and NEW are the folders that hold `agrik_fast` with its compiled module, such as
 `../before/python` and `python`. Each round starts a process of either build, pinned to one core,
 in alternating order; a ratio is that of two neighbours, and the median of the rounds is printed
-beside its spread. A first call is the quickest of five processes. Differences under a few per cent are noise.
+beside its spread. A first call is the quickest of five processes. Differences under a few per
+cent are noise.
 """
 
 from __future__ import annotations
