@@ -1,0 +1,6 @@
+//! What makes a candidate an answer: limits, the check by forward kinematics, the choice.
+
+pub mod check;
+pub mod choice;
+pub mod group;
+mod polish;
