@@ -3,7 +3,8 @@
 use super::alone::Alone;
 use super::branches::{Branches, BranchesMut};
 use super::candidates::BRANCHES;
-use super::query::{FEW, Query, RUN, status};
+use super::last_resort;
+use super::query::{FEW, Query, RUN};
 use super::settle::Group;
 use crate::batch::share;
 use crate::error::{Error, Result};
@@ -96,7 +97,7 @@ fn write<R: Real>(
         }
         return;
     }
-    let (mut any_valid, mut any_reached) = (false, false);
+    let mut any_valid = false;
     for (b, one) in q.chunks_exact_mut(joints).enumerate() {
         let candidate = &group.candidates[b];
         for (x, variable) in candidate.q.iter().zip(variables) {
@@ -104,13 +105,37 @@ fn write<R: Real>(
         }
         let reached = group.reached[b] >> lane & 1 != 0;
         let valid = reached && group.inside[b] >> lane & 1 != 0;
-        any_reached |= reached;
         any_valid |= valid;
         rows.reached[i * BRANCHES + b] = reached;
         rows.valid[i * BRANCHES + b] = valid;
         rows.singular[i * BRANCHES + b] = if reached { candidate.flags(lane) } else { 0 };
     }
-    rows.status[i] = status(group.job.form, any_valid, any_reached) as u8;
+    rows.status[i] =
+        if any_valid { Status::Converged as u8 } else { none(group, lane, rows, i) as u8 };
+}
+
+/// Looks once more at a target without a valid branch.
+#[inline(never)]
+fn none<R: Real>(
+    group: &Group<'_, R>,
+    lane: usize,
+    rows: &mut BranchesMut<'_>,
+    i: usize,
+) -> Status {
+    let (job, goal) = (&group.job, group.goal.of_lane(lane));
+    let branches = group.candidates.map(|candidate| candidate.q.map(|x| x.lane(lane)));
+    let Some((b, posture)) = last_resort::found(job, &goal, &branches, job.may_step()) else {
+        return last_resort::status(job, &goal, false);
+    };
+    let joints = job.variables().len();
+    let q = &mut rows.q[(i * BRANCHES + b) * joints..][..joints];
+    for (x, variable) in posture.q.iter().zip(job.variables()) {
+        q[*variable] = *x;
+    }
+    let flags = group.candidates[b].flags(lane);
+    (rows.reached[i * BRANCHES + b], rows.valid[i * BRANCHES + b]) = (true, true);
+    rows.singular[i * BRANCHES + b] = flags;
+    Status::Converged
 }
 
 /// A few targets, each with its branches in the lanes.

@@ -22,6 +22,8 @@ use crate::task::pose_goal;
 
 /// Roots that neighbour one another by less are one, rad.
 const SAME: f64 = 1e-12;
+/// An equation that misses zero by less just touches it.
+const TOUCHING: f64 = 1e-9;
 
 /// A closed interval of arm angles, rad, `lower` in [-pi, pi), at most a turn long.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,11 +53,33 @@ pub(super) struct Bent {
 pub(super) fn elbows(arm: &Srs, at: &Reached<f64>, limits: &[Limit]) -> Vec<Bent> {
     let mut out = Vec::with_capacity(2);
     for (i, elbow) in at.elbows.iter().enumerate() {
-        let fourth = elbow.fourth;
-        if elbow.merged == 0 && allows(&limits[3], fourth) {
-            let shoulder = third_link_parts(at, elbow);
-            let wrist = shoulder.map(|m| left_parts(arm, at, elbow, m));
-            out.push(Bent { elbow: i, fourth, shoulder, wrist });
+        if elbow.merged == 0 && allows(&limits[3], elbow.fourth) {
+            out.push(bent(arm, at, i));
+        }
+    }
+    out
+}
+
+/// One elbow, whatever the limits.
+fn bent(arm: &Srs, at: &Reached<f64>, i: usize) -> Bent {
+    let elbow = &at.elbows[i];
+    let shoulder = third_link_parts(at, elbow);
+    let wrist = shoulder.map(|m| left_parts(arm, at, elbow, m));
+    Bent { elbow: i, fourth: elbow.fourth, shoulder, wrist }
+}
+
+/// Arm angles at which some joint is at a limit, or axes are as near to being in line as they
+/// come: where all that the limits allow may be a single arm angle, it is one of these.
+pub(super) fn corners(arm: &Srs, at: &Reached<f64>, limits: &[Limit]) -> Vec<f64> {
+    let joints = |first: usize| [0, 1, 2].map(|j| (limits[first + j], arm.offset(first + j)));
+    let (one, two) = arm.meetings();
+    let mut out = Vec::with_capacity(64);
+    for i in 0..2 {
+        let bent = bent(arm, at, i);
+        for (meeting, parts, first) in [(one, &bent.shoulder, 0), (two, &bent.wrist, 4)] {
+            limit_cuts(meeting, parts, &joints(first), &mut out);
+            let top = parts[2][2][2].atan2(parts[1][2][2]);
+            out.extend([wrap(top), wrap(top + PI)]);
         }
     }
     out
@@ -116,7 +140,7 @@ fn left_parts(
 
 /// The pieces of the turn in which three joints keep within their limits on one of their
 /// two branches; each limit comes with the offset of its joint.
-fn pieces(
+pub(super) fn pieces(
     meeting: &Meeting,
     parts: &Parts,
     branch: usize,
@@ -202,11 +226,11 @@ pub(super) fn limit_cuts(
     }
 }
 
-/// Roots of `k0 + k1 cos + k2 sin`.
+/// Roots of `k0 + k1 cos + k2 sin`, also those that rounding has parted from the real ones.
 fn roots(k0: f64, k1: f64, k2: f64, out: &mut Vec<f64>) {
     let size = hypotenuse(k1, k2);
-    if k0.abs() < size {
-        let (top, half) = (k2.atan2(k1), (-k0 / size).acos());
+    if size > TOUCHING && k0.abs() < size + TOUCHING {
+        let (top, half) = (k2.atan2(k1), (-k0 / size).clamp(-1.0, 1.0).acos());
         out.push(wrap(top + half));
         out.push(wrap(top - half));
     }

@@ -4,7 +4,9 @@ use super::alone::{Alone, Left, Single, Target};
 use super::best_angle;
 use super::candidates::{BRANCHES, JOINTS};
 use super::choose::Choice;
-use super::query::{ArmAngle, FEW, Query, RUN, status};
+use super::last_resort;
+use super::polish::Polished;
+use super::query::{ArmAngle, FEW, Query, RUN};
 use super::settle::{Group, Job};
 use super::{ClosedForm, Srs};
 use crate::error::Result;
@@ -107,8 +109,7 @@ fn alone_best<R: Real>(
         rows.finish(i, outcome).copy_from_slice(found.branch(b));
     } else {
         let branches = (0..BRANCHES).map(|b| found.branch(b));
-        let status = status(job.form, false, found.reached != 0);
-        nearest(job, &target.goal, branches, status, rows, i);
+        nearest(job, &target.goal, branches, found.status(), rows, i);
     }
 }
 
@@ -159,11 +160,10 @@ impl Kernel for InLanes<'_, '_> {
         let mut i = self.begin;
         while i < self.end {
             let (used, bad) = query.load(&mut group, rows.first + i, rows.first + self.end);
-            let (mut proven, mut left) = (0, used);
+            let mut left = used;
             if let Some(arm) = free {
                 let found =
                     best_angle::search(arm, &mut group, query.choice, query.proof, used & !bad);
-                proven = found.none;
                 if found.known != 0 {
                     group.solve_one(arm, &found.line, &found.elbow, found.sides);
                     let mut done = found.known & group.valid(0);
@@ -195,7 +195,7 @@ impl Kernel for InLanes<'_, '_> {
                 } else if best.found >> lane & 1 != 0 {
                     answer(&group, lane, best.branch.lane(lane) as usize, rows, row);
                 } else {
-                    none(&group, lane, proven >> lane & 1 != 0, rows, row);
+                    none(&group, lane, free, rows, row);
                 }
             }
             i += R::WIDTH;
@@ -229,27 +229,37 @@ fn answer<R: Real>(
     }
 }
 
-/// Writes a lane without any valid branch. `proven`: no arm angle has one.
+/// Writes a lane without any valid branch, after a last search; `free`: at all arm angles.
 #[inline(never)]
 fn none<R: Real>(
     group: &Group<'_, R>,
     lane: usize,
-    proven: bool,
+    free: Option<&Srs>,
     rows: &mut AnswersMut<'_>,
     i: usize,
 ) {
-    let any_reached = group.reached.iter().any(|lanes| lanes >> lane & 1 != 0);
-    let status =
-        if proven { Status::OutOfReach } else { status(group.job.form, false, any_reached) };
-    let mut branches = [[0.0; JOINTS]; BRANCHES];
-    for (q, candidate) in branches.iter_mut().zip(&group.candidates) {
-        for (x, variable) in candidate.q.iter().zip(group.job.variables()) {
-            q[*variable] = x.lane(lane);
+    let (job, goal) = (&group.job, group.goal.of_lane(lane));
+    let branches = group.candidates.map(|candidate| candidate.q.map(|x| x.lane(lane)));
+    let posture = match free {
+        Some(arm) => last_resort::found_at_any_angle(arm, &mut group.one_lane(lane)),
+        None => last_resort::found(job, &goal, &branches, job.may_step()).map(|found| found.1),
+    };
+    if let Some(Polished { q, position2, chord2, .. }) = posture {
+        let answer = rows.finish(i, reached(position2, chord2));
+        for (x, variable) in q.iter().zip(job.variables()) {
+            answer[*variable] = *x;
+        }
+        return;
+    }
+    let status = last_resort::status(job, &goal, free.is_some());
+    let mut ordered = [[0.0; JOINTS]; BRANCHES];
+    for (to, q) in ordered.iter_mut().zip(&branches) {
+        for (x, variable) in q.iter().zip(job.variables()) {
+            to[*variable] = *x;
         }
     }
-    let joints = group.job.variables().len();
-    let branches = branches.iter().map(|q| &q[..joints]);
-    nearest(&group.job, &group.goal.of_lane(lane), branches, status, rows, i);
+    let joints = job.variables().len();
+    nearest(job, &goal, ordered.iter().map(|q| &q[..joints]), status, rows, i);
 }
 
 /// Writes, in place of an answer, the branch that violates the limits least, held inside

@@ -9,8 +9,10 @@ use crate::lanes::{Real, dot, sub};
 use crate::solve::Tolerance;
 use crate::task::Goal;
 
-/// A joint value this far past a limit is rounding, and is put on the limit, rad.
-pub const SLACK: f64 = 1e-10;
+/// A joint value this far past a limit is rounding, and is put on the limit, rad: the root of
+/// the rounding of a cosine near 1, several times. Where that is too far for the tolerances,
+/// the check by forward kinematics, which comes after, says so.
+pub const SLACK: f64 = 1e-7;
 
 /// A joint's limits and the value that it stays near.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,6 +97,7 @@ pub struct Exact<'a> {
     /// Which entry of `q` each joint along the chain is.
     pub variables: &'a [usize],
     pub tail: Tail,
+    pub tolerance: Tolerance,
     position2: f64,
     chord2: f64,
 }
@@ -111,6 +114,7 @@ impl<'a> Exact<'a> {
             compiled,
             variables,
             tail,
+            tolerance,
             position2: tolerance.position * tolerance.position,
             // A rotation by x moves the three unit axes by 2 sin(x / 2) sqrt(2) in all.
             chord2: 8.0 * (0.5 * tolerance.orientation.min(3.0)).sin().powi(2),

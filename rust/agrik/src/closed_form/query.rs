@@ -8,7 +8,7 @@ use super::settle::{Group, Job, Near};
 use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::lanes::Real;
-use crate::solve::{Plan, Starts, Status};
+use crate::solve::{Plan, Starts};
 
 /// Targets of one run: what a thread takes at a time.
 pub(super) const RUN: usize = 256;
@@ -155,14 +155,4 @@ pub(super) fn arm_angles(form: &ClosedForm, angle: ArmAngle<'_>, targets: usize)
         return Err(Error::argument("arm_angle", expected, "arm angles"));
     }
     Ok(())
-}
-
-/// What the branches of a target say about it. Where even without limits there is none,
-/// or the branches are all there is, no solution exists.
-pub(super) fn status(form: &ClosedForm, any_valid: bool, any_reached: bool) -> Status {
-    match (any_valid, any_reached, form) {
-        (true, ..) => Status::Converged,
-        (_, true, ClosedForm::Srs(_)) => Status::NotFound,
-        _ => Status::OutOfReach,
-    }
 }

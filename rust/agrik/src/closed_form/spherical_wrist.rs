@@ -48,6 +48,16 @@ impl SphericalWrist {
         self.shoulder.kind()
     }
 
+    /// The first three joints.
+    pub(super) fn shoulder(&self) -> &Shoulder {
+        &self.shoulder
+    }
+
+    /// The last three.
+    pub(super) fn wrist(&self) -> &Meeting {
+        &self.wrist
+    }
+
     /// All branches for goals whose `position` is the tool point, `tool` away from the
     /// last joint's frame. An angle that nothing decides is taken from `preferred`, one
     /// turn a joint.

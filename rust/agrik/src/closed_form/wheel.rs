@@ -103,12 +103,6 @@ impl Wheel {
         self.parts[2][2][2].atan2(self.parts[1][2][2])
     }
 
-    /// First and last axis are in line at some arm angle.
-    pub fn comes_in_line(&self) -> bool {
-        let (s, c) = self.top().sin_cos();
-        self.at(s, c).d < IN_LINE || self.at(-s, -c).d < IN_LINE
-    }
-
     /// First and last axis are in line at every arm angle.
     pub fn is_in_line(&self) -> bool {
         [(0.0, 1.0), (0.0, -1.0), (1.0, 0.0)].into_iter().all(|(s, c)| self.at(s, c).d < IN_LINE)

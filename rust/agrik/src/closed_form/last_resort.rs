@@ -1,0 +1,99 @@
+//! Targets of which no branch is inside the limits: a last search for a posture within the
+//! tolerances, and what is said where there is none.
+//!
+//! A posture counts when it is inside the limits and within the tolerances. Where a joint
+//! stands at a limit and the arm is singular, or nearly so, the branch that solves the target
+//! exactly may be outside by the root of the tolerance and more. So branches that are outside
+//! by little are held at the limits and brought near again by steps.
+
+use super::arm_angle::corners;
+use super::candidates::{BRANCHES, JOINTS};
+use super::check::Limit;
+use super::polish::{Polished, held};
+use super::settle::{Group, Job};
+use super::srs::Srs;
+use super::unreachable::is_out_of_reach;
+use crate::solve::Status;
+use crate::task::Goal;
+use std::f64::consts::TAU;
+
+/// A branch that is farther outside its limits is not looked at, rad; and how many times the
+/// tolerances more.
+const FAR: f64 = 0.03;
+const TIMES: f64 = 4.0;
+/// Most branches that get steps.
+const MOST: usize = 4;
+/// The same of branches at all arm angles.
+const MOST_AT_ALL: usize = 12;
+/// Arm angles all round that are looked at besides the corners.
+const SAMPLES: usize = 24;
+
+/// How far the worst joint is outside its limits, rad.
+fn excess(q: &[f64; JOINTS], limits: &[Limit]) -> f64 {
+    let outside = |(x, limit): (&f64, &Limit)| (limit.lower - x).max(x - limit.upper);
+    q.iter().zip(limits).map(outside).fold(0.0, f64::max)
+}
+
+fn farthest(job: &Job<'_>) -> f64 {
+    let size: f64 = job.geometry.links.iter().map(|link| link.a.abs() + link.d.abs()).sum();
+    let tolerance = job.exact.tolerance;
+    FAR + TIMES * (tolerance.orientation + tolerance.position / size)
+}
+
+/// A posture from one of some branches (values along the chain, each within half a turn of its
+/// limits), and from which; with `steps` it need not stay exactly where the branch is.
+#[inline(never)]
+pub(super) fn found(
+    job: &Job<'_>,
+    goal: &Goal<f64>,
+    branches: &[[f64; JOINTS]],
+    steps: bool,
+) -> Option<(usize, Polished)> {
+    let far = farthest(job);
+    let mut near: Vec<(f64, usize)> = branches
+        .iter()
+        .enumerate()
+        .map(|(b, q)| (excess(q, job.limits()), b))
+        .filter(|(off, _)| *off < far)
+        .collect();
+    near.sort_by(|a, b| a.0.total_cmp(&b.0));
+    near.truncate(if branches.len() > BRANCHES { MOST_AT_ALL } else { MOST });
+    let limits = job.limits();
+    near.into_iter().find_map(|(_, b)| {
+        let posture = if steps {
+            held(&job.exact, limits, branches[b], goal)
+        } else {
+            let mut q = branches[b];
+            for (x, limit) in q.iter_mut().zip(limits) {
+                *x = x.clamp(limit.lower, limit.upper);
+            }
+            let (position2, chord2) = job.exact.miss(&q, goal);
+            let reached = job.exact.is_near(position2, chord2) & 1 != 0;
+            reached.then_some(Polished { q, inside: true, position2, chord2 })
+        };
+        posture.map(|posture| (b, posture))
+    })
+}
+
+/// A posture at any arm angle of a single target.
+#[inline(never)]
+pub(super) fn found_at_any_angle(arm: &Srs, single: &mut Group<'_, f64>) -> Option<Polished> {
+    let at = arm.reach(&single.goal, single.job.tool(), &single.near.preferred);
+    if !at.line.length.is_finite() {
+        return None;
+    }
+    let mut angles = corners(arm, &at, single.job.limits());
+    angles.extend((0..SAMPLES).map(|k| k as f64 * (TAU / SAMPLES as f64)));
+    let mut branches = Vec::with_capacity(angles.len() * BRANCHES);
+    for psi in angles {
+        single.solve_at(arm, &at, psi.sin_cos());
+        single.wrap();
+        branches.extend(single.candidates.iter().map(|candidate| candidate.q));
+    }
+    found(&single.job, &single.goal, &branches, true).map(|(_, posture)| posture)
+}
+
+/// What is said of a target without an answer.
+pub(super) fn status(job: &Job<'_>, goal: &Goal<f64>, all_angles: bool) -> Status {
+    if is_out_of_reach(job, goal, all_angles) { Status::OutOfReach } else { Status::NotFound }
+}
