@@ -109,7 +109,8 @@ fn tally(chain: &Chain, count: usize, sampler: &mut Sampler) -> [Tally; 2] {
         if best.success(row) {
             check_answer(chain, &best.q[row * dof..][..dof], &poses[row]);
         } else if std::env::var_os("SHOW").is_some() {
-            println!("{} {:?}", best.status[row], postures[row]);
+            let rows: Vec<_> = chain.joints().iter().map(|j| (j.lower, j.upper)).collect();
+            println!("{} {:?} {rows:?}", best.status[row], postures[row]);
         }
         assert_ne!(best.status[row], Status::OutOfReach as u8, "{:?}", postures[row]);
     }
@@ -123,6 +124,22 @@ fn tally(chain: &Chain, count: usize, sampler: &mut Sampler) -> [Tally; 2] {
             check_answer(chain, &branches.q[b * dof..][..dof], pose);
         }
         assert_ne!(branches.status[row], Status::OutOfReach as u8, "{:?}", postures[row]);
+    }
+    if std::env::var_os("SHOW").is_some() {
+        for row in (0..count).filter(|row| branches.status[*row] != 0).take(3) {
+            println!("posture {:.4?}", postures[row]);
+            for b in row * BRANCHES..(row + 1) * BRANCHES {
+                let q = &branches.q[b * dof..][..dof];
+                let off = pose_of(chain, q) - poses[row];
+                println!(
+                    "   {:.4?} {} {} {:.1e}",
+                    q,
+                    branches.reached[b],
+                    branches.singular[b],
+                    off.norm()
+                );
+            }
+        }
     }
     [Tally::of(&best.status), Tally::of(&branches.status)]
 }
@@ -156,10 +173,10 @@ fn spherical(sampler: &mut Sampler) -> Chain {
     let shift = pick(sampler, &[0.0, 0.0, 0.1]);
     let twist = pick(sampler, &[0.0, 0.0, PI, 1e-9, FRAC_PI_2]);
     let fore = pick(sampler, &[0.0, 0.02, -0.03]);
-    let lean = pick(sampler, &[0.0, FRAC_PI_2]);
+    let (lean, upper) = (pick(sampler, &[0.0, FRAC_PI_2]), pick(sampler, &[0.45, 0.45, 0.45, 0.4]));
     let ahead = [
         [first, right, 0.3, 0.0, -a, a],
-        [0.4, twist, shift, lean, -b, b],
+        [upper, twist, shift, lean, -b, b],
         [fore, right, 0.0, 0.0, -c, c],
     ];
     chain_of(&[ahead, wrist(miss, tilt, behind, 0.4)].concat())
@@ -261,7 +278,12 @@ fn random_spherical_wrists_find_structured_postures() {
     for _ in 0..60 {
         let chain = spherical(&mut sampler);
         let one = tally(&chain, postures(400), &mut sampler);
-        println!("{:?} {one:?}", ClosedForm::of(&chain).map(|f| (f.name(), f.geometry().misfit)));
+        println!("{one:?}");
+        if std::env::var_os("SHOW").is_some() && one[0].not_found > 0 {
+            if let Ok(ClosedForm::SphericalWrist(arm)) = ClosedForm::of(&chain) {
+                println!("^ {:?} {:?}", arm.kind(), arm.geometry().links);
+            }
+        }
         sum = [sum[0].plus(one[0]), sum[1].plus(one[1])];
     }
     check("spherical wrists", sum, [0.999, 0.999]);

@@ -3,6 +3,7 @@
 use super::alone::{Alone, Left, Single, Target};
 use super::best_angle;
 use super::candidates::{BRANCHES, JOINTS};
+use super::check::least_outside;
 use super::choose::Choice;
 use super::last_resort;
 use super::polish::Polished;
@@ -272,22 +273,22 @@ fn nearest<'q>(
     rows: &mut AnswersMut<'_>,
     i: usize,
 ) {
-    let joints = || job.variables().iter().zip(job.limits());
     let mut best = (f64::INFINITY, [0.0; JOINTS]);
     for branch in branches {
-        let outside = joints().map(|(variable, limit)| {
-            let x = branch[*variable];
-            (limit.lower - x).max(x - limit.upper).max(0.0)
-        });
+        let mut q = [0.0; JOINTS];
+        for (x, variable) in q.iter_mut().zip(job.variables()) {
+            *x = branch[*variable];
+        }
+        least_outside(job.limits(), &mut q);
+        let outside = q.iter().zip(job.limits());
+        let outside = outside.map(|(x, limit)| (limit.lower - x).max(x - limit.upper).max(0.0));
         let total: f64 = outside.sum();
         if total < best.0 {
             best.0 = total;
-            best.1[..branch.len()].copy_from_slice(branch);
+            for ((x, limit), variable) in q.iter().zip(job.limits()).zip(job.variables()) {
+                best.1[*variable] = x.clamp(limit.lower, limit.upper);
+            }
         }
-    }
-    for (variable, limit) in joints() {
-        let x = &mut best.1[*variable];
-        *x = x.clamp(limit.lower, limit.upper);
     }
     let q = &best.1[..job.variables().len()];
     let (axes, point) = job.pose(q);

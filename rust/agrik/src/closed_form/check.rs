@@ -62,6 +62,22 @@ fn wrap<R: Real>(limits: &[Limit], q: &mut [R], centre: &[R]) -> Lanes {
     R::bits(inside)
 }
 
+/// Takes the joint values of a branch that is outside by whole turns to where they are
+/// outside by the least, and says by how much the worst of them is, rad.
+pub fn least_outside(limits: &[Limit], q: &mut [f64; JOINTS]) -> f64 {
+    let mut worst = 0.0_f64;
+    for (x, limit) in q.iter_mut().zip(limits) {
+        let outside = |x: f64| (limit.lower - x).max(x - limit.upper).max(0.0);
+        let off = *x - limit.middle;
+        let other = *x - TAU * (off / TAU).round();
+        if outside(other) < outside(*x) {
+            *x = other;
+        }
+        worst = worst.max(outside(*x));
+    }
+    worst
+}
+
 /// Brings the joint values of a branch within limits by whole turns; returns the lanes in
 /// which all are.
 #[inline(always)]

@@ -8,7 +8,7 @@
 
 use super::arm_angle::corners;
 use super::candidates::{BRANCHES, JOINTS};
-use super::check::Limit;
+use super::check::least_outside;
 use super::polish::{Polished, held};
 use super::settle::{Group, Job};
 use super::srs::Srs;
@@ -25,14 +25,10 @@ const TIMES: f64 = 4.0;
 const MOST: usize = 4;
 /// The same of branches at all arm angles.
 const MOST_AT_ALL: usize = 12;
+/// Most steps of a branch.
+const STEPS: usize = 24;
 /// Arm angles all round that are looked at besides the corners.
 const SAMPLES: usize = 24;
-
-/// How far the worst joint is outside its limits, rad.
-fn excess(q: &[f64; JOINTS], limits: &[Limit]) -> f64 {
-    let outside = |(x, limit): (&f64, &Limit)| (limit.lower - x).max(x - limit.upper);
-    q.iter().zip(limits).map(outside).fold(0.0, f64::max)
-}
 
 fn farthest(job: &Job<'_>) -> f64 {
     let size: f64 = job.geometry.links.iter().map(|link| link.a.abs() + link.d.abs()).sum();
@@ -40,8 +36,8 @@ fn farthest(job: &Job<'_>) -> f64 {
     FAR + TIMES * (tolerance.orientation + tolerance.position / size)
 }
 
-/// A posture from one of some branches (values along the chain, each within half a turn of its
-/// limits), and from which; with `steps` it need not stay exactly where the branch is.
+/// A posture from one of some branches (values along the chain), and from which; with `steps`
+/// it need not stay exactly where the branch is.
 #[inline(never)]
 pub(super) fn found(
     job: &Job<'_>,
@@ -49,30 +45,19 @@ pub(super) fn found(
     branches: &[[f64; JOINTS]],
     steps: bool,
 ) -> Option<(usize, Polished)> {
-    let far = farthest(job);
-    let mut near: Vec<(f64, usize)> = branches
-        .iter()
-        .enumerate()
-        .map(|(b, q)| (excess(q, job.limits()), b))
-        .filter(|(off, _)| *off < far)
-        .collect();
+    let (far, limits) = (farthest(job), job.limits());
+    let mut near: Vec<(f64, usize, [f64; JOINTS])> = Vec::new();
+    for (b, branch) in branches.iter().enumerate() {
+        let mut q = *branch;
+        let off = least_outside(limits, &mut q);
+        if off < far {
+            near.push((off, b, q));
+        }
+    }
     near.sort_by(|a, b| a.0.total_cmp(&b.0));
     near.truncate(if branches.len() > BRANCHES { MOST_AT_ALL } else { MOST });
-    let limits = job.limits();
-    near.into_iter().find_map(|(_, b)| {
-        let posture = if steps {
-            held(&job.exact, limits, branches[b], goal)
-        } else {
-            let mut q = branches[b];
-            for (x, limit) in q.iter_mut().zip(limits) {
-                *x = x.clamp(limit.lower, limit.upper);
-            }
-            let (position2, chord2) = job.exact.miss(&q, goal);
-            let reached = job.exact.is_near(position2, chord2) & 1 != 0;
-            reached.then_some(Polished { q, inside: true, position2, chord2 })
-        };
-        posture.map(|posture| (b, posture))
-    })
+    let posture = |q| held(&job.exact, limits, q, goal, if steps { STEPS } else { 0 });
+    near.into_iter().find_map(|(_, b, q)| posture(q).map(|posture| (b, posture)))
 }
 
 /// A posture at any arm angle of a single target.

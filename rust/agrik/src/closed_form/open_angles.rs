@@ -1,8 +1,8 @@
 //! Singular branches whose open angles are chosen inside the limits.
 //!
 //! Where the first and the last axis of a wrist are in line, its first and last joint may
-//! share their turn in any way; where the wrist's centre is on the first axis, the first joint
-//! may stand at any value and the wrist turns back. The closed forms take the value that is
+//! share their turn in any way; where the wrist's centre is on the first or the second axis, that
+//! joint may stand at any value and the wrist turns back. The closed forms take the value that is
 //! preferred. Where that puts another joint outside its limits, the value nearest to it that
 //! does not is found here, one target at a time, since few need it.
 
@@ -16,7 +16,7 @@ use super::polish::Polished;
 use super::settle::Job;
 use super::spherical_wrist::SphericalWrist;
 use super::turn::{Meeting, Side, advance, components, identity};
-use crate::lanes::V3;
+use crate::lanes::{V3, hypotenuse};
 use crate::task::Goal;
 
 /// Whole turns to either side that are tried.
@@ -45,10 +45,16 @@ pub(super) fn inside(job: &Job<'_>, goal: &Goal<f64>, open: &Open<'_>) -> Option
         ClosedForm::SphericalWrist(arm) => {
             let split = || passed(job, goal, shared(job, arm.wrist(), 3, open.q, open.centre));
             let found = if wrist { split() } else { None };
-            if found.is_some() || !shoulder {
+            if found.is_some() {
                 return found;
             }
-            first_turned(arm, job, goal, open)
+            let on_second = {
+                let third = open.q[2] + job.geometry.offset(2) + arm.shoulder().phase_angle();
+                let [x, y, _] = arm.shoulder().seen_from_second(third.sin_cos());
+                hypotenuse(x, y) < job.geometry.tolerance
+            };
+            let first = if shoulder { turned(arm, job, goal, open, 0) } else { None };
+            first.or_else(|| if on_second { turned(arm, job, goal, open, 1) } else { None })
         }
         ClosedForm::Srs(arm) => {
             let (one, two) = arm.meetings();
@@ -111,23 +117,29 @@ fn shared(
     q
 }
 
-/// A branch with another turn of the first joint, on whose axis the wrist's centre is.
-fn first_turned(
+/// A branch with another turn of one of the first two joints, on whose axis the wrist's centre
+/// is.
+fn turned(
     arm: &SphericalWrist,
     job: &Job<'_>,
     goal: &Goal<f64>,
     open: &Open<'_>,
+    joint: usize,
 ) -> Option<Polished> {
     let g = job.geometry;
     let turn = |j: usize| (open.q[j] + g.offset(j)).sin_cos();
-    let mut frame = advance(identity::<f64>(), (0.0, 1.0), &g.links[0]);
-    for j in [1, 2] {
-        frame = advance(frame, turn(j), &g.links[j]);
+    let mut before = identity::<f64>();
+    for j in 0..joint {
+        before = advance(before, turn(j), &g.links[j]);
     }
-    let wanted = goal.axes.map(|axis| components(g.axes, axis));
-    // What is left to the wrist: constant, cosine and sine part in the first turn.
+    let wanted = goal.axes.map(|axis| components(before, components(g.axes, axis)));
+    let mut after = advance(identity::<f64>(), (0.0, 1.0), &g.links[joint]);
+    for j in joint + 1..3 {
+        after = advance(after, turn(j), &g.links[j]);
+    }
+    // What is left to the wrist: constant, cosine and sine part in the turn.
     let part = |p: usize, [x, y, z]: V3<f64>| {
-        components(frame, [[0.0, 0.0, z], [x, y, 0.0], [y, -x, 0.0]][p])
+        components(after, [[0.0, 0.0, z], [x, y, 0.0], [y, -x, 0.0]][p])
     };
     let parts: Parts = [0, 1, 2].map(|p| wanted.map(|axis| part(p, axis)));
     let behind = [3, 4, 5].map(|j| (g.limits[j], g.offset(j)));
@@ -138,26 +150,26 @@ fn first_turned(
     let mut cuts = Vec::with_capacity(12);
     limit_cuts(arm.wrist(), &parts, &behind, &mut cuts);
     spans.extend(cuts.into_iter().map(|cut| (cut, cut)));
-    let (limit, near) = (g.limits[0], open.centre[0]);
-    let mut values: Vec<f64> = Vec::with_capacity(spans.len());
-    for (lower, upper) in spans {
-        values.extend(nearest(lower - g.offset(0), upper - g.offset(0), &limit, near));
-    }
+    let (limit, near, offset) = (g.limits[joint], open.centre[joint], g.offset(joint));
+    let mut values: Vec<f64> = spans
+        .into_iter()
+        .filter_map(|(lower, upper)| nearest(lower - offset, upper - offset, &limit, near))
+        .collect();
     values.sort_by(|a, b| (a - near).abs().total_cmp(&(b - near).abs()));
     let side = Side::both()[open.way];
     let preferred = (open.centre[3] + g.offset(3)).sin_cos();
-    values.into_iter().take(MOST).find_map(|first| {
-        let (s, c) = (first + g.offset(0)).sin_cos();
-        let at =
-            |k: usize| [0, 1, 2].map(|i| parts[0][k][i] + c * parts[1][k][i] + s * parts[2][k][i]);
-        let turned = arm.wrist().solve(at(0), at(2), preferred, side);
+    values.into_iter().take(MOST).find_map(|x| {
+        let (s, c) = (x + offset).sin_cos();
+        let [constant, cosine, sine] = &parts;
+        let at = |k: usize| [0, 1, 2].map(|i| constant[k][i] + c * cosine[k][i] + s * sine[k][i]);
+        let wrist = arm.wrist().solve(at(0), at(2), preferred, side);
         let mut q = open.q;
-        q[0] = first;
-        for (j, turn) in [3, 4, 5].into_iter().zip(turned.turns) {
+        q[joint] = x;
+        for (j, turn) in [3, 4, 5].into_iter().zip(wrist.turns) {
             q[j] = value(turn, g.offset(j));
         }
         let mut branch = Candidate { q, ..Candidate::none() };
-        if wrap_one(&g.limits, &mut branch, open.centre) == 0 && turned.singular != 0 {
+        if wrap_one(&g.limits, &mut branch, open.centre) == 0 && wrist.singular != 0 {
             branch.q = shared(job, arm.wrist(), 3, branch.q, open.centre);
         }
         passed(job, goal, branch.q)

@@ -15,9 +15,7 @@ const FINE: f64 = 1e-10;
 const FAR: f64 = 1e-2;
 /// Most steps of a branch.
 const STEPS: usize = 4;
-/// The same of joint values that are held inside the limits, and how far from the goal (m, rad)
-/// they may begin.
-const HELD_STEPS: usize = 24;
+/// Joint values that are held inside the limits may begin so far from the goal (m, rad).
 const FARTHEST: f64 = 0.2;
 /// Share of half the squared error in a step's damping.
 const DAMPING: f64 = 0.1;
@@ -80,6 +78,7 @@ pub fn held(
     limits: &[Limit],
     q: [f64; JOINTS],
     goal: &Goal<f64>,
+    steps: usize,
 ) -> Option<Polished> {
     let checked = |mut q: [f64; JOINTS]| {
         for (x, limit) in q.iter_mut().zip(limits) {
@@ -91,7 +90,7 @@ pub fn held(
     let reached = |at: &Polished| exact.is_near(at.position2, at.chord2) & 1 != 0;
     let mut best = checked(q);
     let mut damping = DAMPING;
-    for _ in 0..HELD_STEPS {
+    for _ in 0..steps {
         if reached(&best) {
             return Some(best);
         }

@@ -70,8 +70,8 @@ impl<'a> Job<'a> {
             let ((position2, chord2), branch) = (missed[way], &pair[way]);
             let near = self.exact.is_near(position2, chord2);
             // In line or stretched, inside only with other shares of the open angles.
-            let [shoulder, _, wrist] = branch.singular;
-            let mut mend = (shoulder | wrist) & near & !inside[way];
+            let [shoulder, elbow, wrist] = branch.singular;
+            let mut mend = (shoulder | elbow | wrist) & near & !inside[way];
             if digits || misfit {
                 let rough = R::bits(is_rough(position2, chord2));
                 mend |= rough & if digits { Lanes::MAX } else { !near };
@@ -133,7 +133,7 @@ impl<'a> Job<'a> {
         if self.form.loses_digits() || !near(&branch) {
             branch = polished(&self.exact, self.limits(), branch, goal, centre);
         }
-        if near(&branch) && !branch.inside && (singular[0] || singular[2]) {
+        if near(&branch) && !branch.inside && singular != [false; 3] {
             let open = Open { q: branch.q, singular, way, centre };
             branch = open_angles::inside(self, goal, &open).unwrap_or(branch);
         }

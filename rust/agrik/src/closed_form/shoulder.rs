@@ -35,7 +35,7 @@ pub struct Shoulder {
     /// Distance of the wrist's centre from the third axis, m.
     pub(super) radius: f64,
     /// Direction of the wrist's centre about the third axis at `t3 = 0`.
-    pub(super) phase: (f64, f64),
+    phase: (f64, f64),
     /// Height of the wrist's centre along the third axis, m.
     pub(super) height: f64,
     /// Length below which a distance leaves an angle open, m.
@@ -93,6 +93,11 @@ impl Shoulder {
             least: 1e-6 * tolerance,
             near: tolerance * SINGULAR / super::geometry::TOLERANCE,
         })
+    }
+
+    /// Direction of the wrist's centre about the third axis where the third joint's turn is 0.
+    pub(super) fn phase_angle(&self) -> f64 {
+        self.phase.0.atan2(self.phase.1)
     }
 
     /// Which equations came apart.

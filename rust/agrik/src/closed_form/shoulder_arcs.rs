@@ -40,9 +40,8 @@ impl Shoulder {
             Kind::ParallelBase | Kind::MeetingBase => self.separate_arcs(p, off),
             Kind::General => self.general_arcs(p, off),
         };
-        let phase = self.phase.0.atan2(self.phase.1);
         for arm in &mut out {
-            arm[2] = arm[2].turned(-phase);
+            arm[2] = arm[2].turned(-self.phase_angle());
         }
         out
     }
