@@ -1,7 +1,7 @@
 //! Arguments from Python: arrays of any kind of number, transforms, numbers; and arrays
 //! back to Python.
 
-use agrik::batch;
+use agrik::threads::share;
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3};
 use numpy::ndarray::{ArrayView, Dimension, IntoDimension, IxDyn};
 use numpy::{
@@ -94,7 +94,7 @@ fn copy(values: &[f64], threads: usize) -> Vec<f64> {
     }
     let mut copied = vec![0.0; values.len()];
     let pieces = values.chunks(PIECE).zip(copied.chunks_mut(PIECE)).collect();
-    batch::share(pieces, threads, &|(from, to)| to.copy_from_slice(from), &mut || true);
+    share(pieces, threads, &|(from, to)| to.copy_from_slice(from), &mut || true);
     copied
 }
 

@@ -54,7 +54,7 @@ pub fn from_core(py: Python<'_>, error: Error) -> PyErr {
         Error::Argument { argument: name, received, expected } => {
             argument(py, &name, &received, &expected)
         }
-        Error::Urdf(message) => URDF_ERROR.with(py, (message,)),
+        Error::Description { message, .. } => URDF_ERROR.with(py, (message,)),
         Error::Interrupted => PyKeyboardInterrupt::new_err(()),
     }
 }

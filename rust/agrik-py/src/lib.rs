@@ -1,26 +1,14 @@
 //! Python bindings of `agrik`, the module `agrik_fast._native`: converts and checks
 //! arguments, releases the interpreter around compute, turns errors into exceptions.
 
-mod branches;
-mod build;
-mod chain;
-mod control;
+mod arms;
 mod convert;
 mod errors;
-mod follow;
-mod gains;
 mod ik;
-mod kinematics;
-mod population;
 mod result;
-mod single;
-mod solver;
-mod strawberry;
-mod targets;
-mod task;
+mod robot;
+mod solvers;
 mod threads;
-mod tomato;
-mod tune;
 
 use pyo3::prelude::*;
 
@@ -30,23 +18,23 @@ mod _native {
     use super::*;
 
     #[pymodule_export]
-    use branches::Branches;
+    use arms::strawberry::{StrawberryArm, ik_record};
     #[pymodule_export]
-    use chain::Chain;
+    use arms::tomato::{TomatoArm, ik_paced};
     #[pymodule_export]
-    use control::TargetSolver;
+    use ik::branches::Branches;
     #[pymodule_export]
-    use result::IkResult;
+    use ik::control::TargetSolver;
     #[pymodule_export]
-    use solver::default_settings;
+    use result::{IkResult, statuses};
     #[pymodule_export]
-    use strawberry::{StrawberryArm, ik_record};
+    use robot::chain::Chain;
+    #[pymodule_export]
+    use solvers::solver::{default_settings, solver_names};
+    #[pymodule_export]
+    use solvers::tune::Tuner;
     #[pymodule_export]
     use threads::{get_num_threads, set_num_threads, simd_level};
-    #[pymodule_export]
-    use tomato::{TomatoArm, ik_paced};
-    #[pymodule_export]
-    use tune::Tuner;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -2,10 +2,11 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use agrik::solve::{Answers, Status};
+use agrik::call::{Answers, Status};
 use numpy::{Element, PyArrayDyn};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
+use pyo3::types::PyDict;
 
 use crate::convert::{SMALL, array, copied};
 
@@ -71,7 +72,7 @@ pub struct IkResult {
     shape: Vec<usize>,
     dof: usize,
     /// Rows by status.
-    counts: [usize; 6],
+    counts: [usize; Status::ALL.len()],
     q: Column<f64>,
     status: Column<u8>,
     success: Column<bool>,
@@ -84,7 +85,7 @@ pub struct IkResult {
 impl IkResult {
     /// The record of answers to targets of a leading shape.
     pub fn new(shape: Vec<usize>, dof: usize, answers: Answers) -> Self {
-        let mut counts = [0; 6];
+        let mut counts = [0; Status::ALL.len()];
         for status in &answers.status {
             if let Some(count) = counts.get_mut(usize::from(*status)) {
                 *count += 1;
@@ -169,4 +170,14 @@ impl IkResult {
             if parts.is_empty() { String::new() } else { format!(": {}", parts.join(", ")) };
         format!("IkResult({total} target{plural}{outcome})")
     }
+}
+
+/// Return the codes of all statuses by their names.
+#[pyfunction]
+pub fn statuses(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let all = PyDict::new(py);
+    for status in Status::ALL {
+        all.set_item(status.name(), status as u8)?;
+    }
+    Ok(all)
 }

@@ -16,14 +16,14 @@ const MOST: u64 = 65_536;
 #[pyfunction]
 #[pyo3(signature = (n))]
 pub fn set_num_threads(n: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-    agrik::batch::set_num_threads(number(n, "n")?);
+    agrik::threads::set_num_threads(number(n, "n")?);
     Ok(())
 }
 
 /// Return the number of threads that a batch call uses by default.
 #[pyfunction]
 pub fn get_num_threads() -> usize {
-    agrik::batch::num_threads()
+    agrik::threads::num_threads()
 }
 
 /// Return the instruction set that the batch loops use on this machine.

@@ -9,18 +9,17 @@ mod common;
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use agrik::batch;
+use agrik::call::{Answers, Goals, Solve, Starts, Tolerance, solve};
 use agrik::lanes::Level;
 use agrik::solve::population::{Evolution, Settings};
-use agrik::solve::{Answers, Goals, Solve};
+use agrik::solve::{Plan, Settings as StepSettings};
 use agrik::task::Task;
-use common::arms::{arm, points, poses};
-use common::plan;
+use common::arms::{arm, points, poses, request};
 
 /// The counted call; `benches/instructions.py` knows it by this name.
 #[inline(never)]
 fn measured(call: &impl Solve) -> Option<Answers> {
-    batch::solve(black_box(call), 1, &mut || true).ok()
+    solve(black_box(call), 1, &mut || true).ok()
 }
 
 fn main() -> ExitCode {
@@ -36,16 +35,17 @@ fn main() -> ExitCode {
     let chain = arm(robot);
     let poses = poses(&chain, count, 6);
     let points = points(&poses);
-    let plan = if task == "position" {
-        plan(&chain, Task::Position, Goals::Positions { points: &points, direction: None })
+    let (wanted, goals) = if task == "position" {
+        (Task::Position, Goals::Positions { points: &points, direction: None })
     } else {
-        plan(&chain, Task::Pose, Goals::Poses(&poses))
+        (Task::Pose, Goals::Poses(&poses))
     };
+    let request = request(&chain, wanted, Tolerance::default(), goals, Starts::Free);
     let answers = match task.as_str() {
         "evolution" => {
-            Evolution::new(plan, Settings::PUBLISHED).ok().and_then(|search| measured(&search))
+            Evolution::new(request, Settings::PUBLISHED).ok().and_then(|search| measured(&search))
         }
-        _ => measured(&plan),
+        _ => Plan::new(request, StepSettings::default()).ok().and_then(|plan| measured(&plan)),
     };
     let Some(answers) = answers else { return ExitCode::FAILURE };
     let solved = (0..answers.len()).filter(|&row| answers.success(row)).count();

@@ -10,9 +10,10 @@ mod common;
 use std::hint::black_box;
 use std::time::Instant;
 
-use agrik::batch;
+use agrik::call::Answers;
+use agrik::call::solve_at;
 use agrik::lanes::{Kernel, Level, Real, dispatch};
-use agrik::solve::{Answers, Plan, run};
+use agrik::solve::{Plan, run};
 use common::arms::{ARMS, arm, poses};
 use common::counted::{Counted, take_operations};
 use common::{Width, levels, pose_plan};
@@ -91,13 +92,13 @@ fn rate(lanes: usize, multiply_adds: impl Fn() -> f64) -> f64 {
 
 /// Operations per target and per step of the loop.
 fn count(plan: &Plan<'_>) -> (f64, f64) {
-    let mut answers = Answers::new(plan.len(), plan.chain().dof());
+    let mut answers = Answers::new(plan.request().len(), plan.request().chain().dof());
     take_operations();
     let mut rows = Some(answers.as_mut());
     run::<Counted>(plan, &mut || rows.take(), &mut || true);
     let operations = take_operations() as f64;
     let steps: u32 = answers.iterations.iter().sum();
-    (operations / plan.len() as f64, operations / f64::from(steps))
+    (operations / plan.request().len() as f64, operations / f64::from(steps))
 }
 
 fn main() {
@@ -119,7 +120,7 @@ fn main() {
         for (level, peak) in &peaks {
             let mut solved = 0;
             let seconds = shortest(|| {
-                if let Ok(answers) = batch::solve_at(*level, &plan, 1, &mut || true) {
+                if let Ok(answers) = solve_at(*level, &plan, 1, &mut || true) {
                     solved = (0..TARGETS).filter(|&row| answers.success(row)).count();
                 }
             }) / TARGETS as f64;

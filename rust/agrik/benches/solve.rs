@@ -5,7 +5,7 @@ mod common;
 
 use std::hint::black_box;
 
-use agrik::batch;
+use agrik::call::solve_at;
 use agrik::chain::Chain;
 use agrik::kinematics::{Workspace, columns, forward};
 use agrik::lanes::{Kernel, Real, dispatch};
@@ -84,7 +84,7 @@ fn one_target(criterion: &mut Criterion) {
                 bench.iter(|| {
                     next.next().map(|one| {
                         let plan = pose_plan(&chain, black_box(one));
-                        batch::solve_at(level, &plan, 1, &mut || true)
+                        solve_at(level, &plan, 1, &mut || true)
                     })
                 });
             });
@@ -102,7 +102,7 @@ fn batches(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(TARGETS as u64));
         group.sample_size(20);
         for level in levels() {
-            let solve = |threads| batch::solve_at(level, &plan, threads, &mut || true);
+            let solve = |threads| solve_at(level, &plan, threads, &mut || true);
             if let Ok(answers) = solve(1) {
                 let solved = (0..answers.len()).filter(|&row| answers.success(row)).count();
                 println!("{name}, {}: {solved} of {TARGETS} targets solved", level.name());

@@ -2,17 +2,18 @@
 //!
 //! Targets go through a [`chain::Chain`] (geometry, limits, tool), a [`task::Task`] (what
 //! counts as reached) and a solver of [`solve`] (how to get there) to one record per
-//! target, [`solve::Answers`]. [`batch`] spreads a batch over threads. Nothing here knows
+//! target, [`call::Answers`]. [`call`] is what all solvers are given and give back. Nothing here knows
 //! of Python. Lengths are in metres, angles in radians.
 
-pub mod batch;
+pub mod arms;
+pub mod auto;
+pub mod call;
 pub mod chain;
 pub mod closed_form;
-pub mod error;
 pub mod kinematics;
-pub mod lanes;
 pub mod solve;
+pub mod solvers;
 pub mod task;
 pub mod tune;
 
-pub use error::{Error, Result};
+pub use agrik_compute::{Allowed, Error, Result, error, lanes, random, threads};

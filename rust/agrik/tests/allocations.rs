@@ -2,13 +2,13 @@
 //! setup made before: nothing is allocated after the first call, whatever the level, the
 //! step, the task and the fate of the target.
 
-#[path = "../benches/common/arms.rs"]
+#[path = "common/arms.rs"]
 mod arms;
 
-use agrik::batch::{solve_at, solve_into};
+use agrik::call::{Aim, Answers, Goals, Starts, Status, Tolerance, solve_at, solve_into};
 use agrik::chain::Chain;
 use agrik::lanes::Level;
-use agrik::solve::{Answers, Goals, Plan, Settings, Setup, Starts, Status, Tolerance};
+use agrik::solve::{Plan, Settings, Setup};
 use agrik::task::{MaskFrame, Task};
 use allocation_counter::measure;
 use arms::{ARMS, arm, points, poses, postures};
@@ -48,8 +48,8 @@ fn one_by_one(
 ) -> [usize; 6] {
     let points = points(targets);
     let mut counts = [0; 6];
-    let setup = Setup::new(chain, task, settings.clone(), Tolerance::default(), None)
-        .expect("the arguments are in range");
+    let aim = Aim::new(chain, task, Tolerance::default(), None).expect("a task in range");
+    let setup = Setup::new(chain, aim, settings.clone()).expect("settings in range");
     let mut measured = 0;
     for (row, point) in points.iter().enumerate() {
         let allocated = measure(|| {
@@ -61,8 +61,7 @@ fn one_by_one(
             let starts = starts.map_or(Starts::Free, |q| {
                 Starts::One(&q[row * chain.dof()..(row + 1) * chain.dof()])
             });
-            let plan = Plan::with_setup(chain, &setup, goals, starts, 7, 0)
-                .expect("the arguments are in range");
+            let plan = setup.plan(chain, goals, starts, 7, 0).expect("targets that fit");
             solve_into(level, &plan, 1, answers, &mut || true).expect("nobody interrupts");
         });
         measured += allocated.count_total;
@@ -99,18 +98,10 @@ fn a_single_target_allocates_nothing_after_the_first_call() {
                         continue;
                     }
                     // The first call may make tables that the chain keeps.
-                    let first = Plan::new(
-                        &chain,
-                        Task::Pose,
-                        Settings::default(),
-                        Tolerance::default(),
-                        Goals::Poses(&targets[..1]),
-                        Starts::Free,
-                        None,
-                        7,
-                        0,
-                    )
-                    .expect("the arguments are in range");
+                    let goals = Goals::Poses(&targets[..1]);
+                    let tolerance = Tolerance::default();
+                    let first = arms::request(&chain, Task::Pose, tolerance, goals, Starts::Free);
+                    let first = Plan::new(first, Settings::default()).expect("settings in range");
                     let mut answers =
                         solve_at(level, &first, 1, &mut || true).expect("nobody interrupts");
                     for starts in [None, Some(&starts[..])] {

@@ -4,11 +4,10 @@ mod common;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use agrik::batch;
+use agrik::call::{Goals, Starts, Status, Tolerance, solve};
 use agrik::chain::{Chain, DhConvention, DhRow, JointKind};
-use agrik::closed_form::{ArmAngle, BRANCHES, Choice, ClosedForm, Kind, Query, all};
+use agrik::closed_form::{ArmAngle, Choice, ClosedForm, Kind, Query, all};
 use agrik::kinematics::{Workspace, tool_pose};
-use agrik::solve::{Goals, Plan, Settings, Starts, Status, Tolerance};
 use agrik::task::Task;
 use common::Sampler;
 use nalgebra::{IsometryMatrix3, Matrix4, Rotation3, Translation3};
@@ -67,19 +66,15 @@ fn rows_of(poses: &[Matrix4<f64>]) -> Vec<[f64; 16]> {
     poses.iter().map(|m| std::array::from_fn(|i| m[(i / 4, i % 4)])).collect()
 }
 
-fn plan_of<'a>(chain: &'a Chain, goals: &'a [[f64; 16]], starts: Starts<'a>) -> Plan<'a> {
-    Plan::new(
-        chain,
-        Task::Pose,
-        Settings::LEVENBERG_MARQUARDT,
-        Tolerance::default(),
-        Goals::Poses(goals),
-        starts,
-        None,
-        0,
-        0,
-    )
-    .expect("a plan")
+fn query<'a>(
+    chain: &'a Chain,
+    goals: &'a [[f64; 16]],
+    starts: Starts<'a>,
+    choice: Choice,
+) -> Query<'a> {
+    let request =
+        common::arms::request(chain, Task::Pose, Tolerance::default(), Goals::Poses(goals), starts);
+    Query::new(request, ArmAngle::Free, choice).expect("a closed form")
 }
 
 /// Poses of random joint values, the answers of all branches, and how many of the poses
@@ -90,13 +85,12 @@ fn check(chain: &Chain, count: usize, accuracy: f64, sampler: &mut Sampler) -> f
     let q: Vec<f64> = (0..count).flat_map(|_| common::random_q(chain, sampler)).collect();
     let poses: Vec<_> = q.chunks_exact(dof).map(|q| tool_pose(chain, q, &mut workspace)).collect();
     let goals = rows_of(&poses);
-    let plan = plan_of(chain, &goals, Starts::Each(&q));
-    let query = Query::new(&plan, ArmAngle::Free, Choice::Nearest).expect("a closed form");
+    let query = query(chain, &goals, Starts::Each(&q), Choice::Nearest);
     let found = all(&query, 1, &mut || true).expect("not interrupted");
     let mut again = 0;
     for (row, q) in q.chunks_exact(dof).enumerate() {
         let mut nearest = f64::INFINITY;
-        for b in row * BRANCHES..(row + 1) * BRANCHES {
+        for b in row * found.branches..(row + 1) * found.branches {
             if !found.reached[b] {
                 continue;
             }
@@ -110,7 +104,7 @@ fn check(chain: &Chain, count: usize, accuracy: f64, sampler: &mut Sampler) -> f
         }
         again += usize::from(nearest < 1e-6);
     }
-    let nearest = batch::solve(&query, 1, &mut || true).expect("not interrupted");
+    let nearest = solve(&query, 1, &mut || true).expect("not interrupted");
     let solved = (0..count).filter(|row| nearest.success(*row)).count();
     assert!(solved >= again, "{solved} solved of {again}");
     again as f64 / count as f64
@@ -201,11 +195,10 @@ fn out_of_reach_is_proven() {
     let mut pose = Matrix4::identity();
     pose[(0, 3)] = 10.0;
     let goals = rows_of(&[pose]);
-    let plan = plan_of(&chain, &goals, Starts::Free);
-    let query = Query::new(&plan, ArmAngle::Free, Choice::Margin).expect("a closed form");
+    let query = query(&chain, &goals, Starts::Free, Choice::Margin);
     let found = all(&query, 1, &mut || true).expect("not interrupted");
     assert_eq!(found.status, [Status::OutOfReach as u8]);
-    let one = batch::solve(&query, 1, &mut || true).expect("not interrupted");
+    let one = solve(&query, 1, &mut || true).expect("not interrupted");
     assert_eq!(one.status, [Status::OutOfReach as u8]);
     assert!(one.position_error[0] > 5.0);
     assert!(chain.within_limits(&one.q));
@@ -225,13 +218,11 @@ fn targets_whose_squares_overflow_leave_no_nan() {
                 let goals = rows_of(&[pose; 5]);
                 // Alone and in lanes.
                 for goals in [&goals[..1], &goals[..]] {
-                    let plan = plan_of(&chain, goals, Starts::Free);
-                    let query =
-                        Query::new(&plan, ArmAngle::Free, Choice::Margin).expect("a closed form");
+                    let query = query(&chain, goals, Starts::Free, Choice::Margin);
                     let found = all(&query, 1, &mut || true).expect("not interrupted");
                     assert!(found.status.iter().all(|s| *s == Status::OutOfReach as u8));
                     assert!(found.q.iter().all(|x| x.is_finite()));
-                    let one = batch::solve(&query, 1, &mut || true).expect("not interrupted");
+                    let one = solve(&query, 1, &mut || true).expect("not interrupted");
                     assert!(one.q.iter().all(|x| x.is_finite()));
                     assert!(one.position_error.iter().all(|x| *x > 1e100));
                     assert!(one.orientation_error.iter().all(|x| x.is_finite()));

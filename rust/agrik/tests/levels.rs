@@ -2,14 +2,14 @@
 //! roundings are the same, within tolerance and at the same success where they are not; and
 //! each gives them whatever the threads and the pieces.
 
-#[path = "../benches/common/arms.rs"]
+#[path = "common/arms.rs"]
 mod arms;
 
-use agrik::batch::solve_at;
+use agrik::call::{Answers, Goals, Starts, Status, Tolerance, solve_at};
 use agrik::chain::Chain;
 use agrik::kinematics::{Workspace, tool_pose};
 use agrik::lanes::Level;
-use agrik::solve::{Answers, Goals, Plan, Settings, Starts, Status, Tolerance};
+use agrik::solve::{Plan, Settings};
 use agrik::task::{MaskFrame, Task};
 use arms::{ARMS, arm, points, poses, postures};
 
@@ -73,19 +73,13 @@ impl Call<'_> {
     fn piece(&self, level: Level, threads: usize, first: usize, count: usize) -> Answers {
         let rows = &self.targets[first..first + count];
         let dof = self.chain.dof();
-        let plan = Plan::new(
-            self.chain,
-            self.task,
-            self.settings.clone(),
-            Tolerance::default(),
-            Goals::Poses(rows),
-            self.starts
-                .map_or(Starts::Free, |q| Starts::Each(&q[first * dof..(first + count) * dof])),
-            None,
-            5,
-            first as u64,
-        )
-        .expect("the arguments are in range");
+        let starts = self
+            .starts
+            .map_or(Starts::Free, |q| Starts::Each(&q[first * dof..(first + count) * dof]));
+        let goals = Goals::Poses(rows);
+        let request = arms::request(self.chain, self.task, Tolerance::default(), goals, starts)
+            .with_seed(5, first as u64);
+        let plan = Plan::new(request, self.settings.clone()).expect("settings in range");
         solve_at(level, &plan, threads, &mut || true).expect("nobody interrupts")
     }
 
@@ -261,18 +255,10 @@ fn points_are_solved_alike_at_every_level() {
         let chain = arm(name);
         let points = points(&poses(&chain, 1000, 14));
         for level in available() {
-            let plan = Plan::new(
-                &chain,
-                Task::Position,
-                Settings::default(),
-                Tolerance::default(),
-                Goals::Positions { points: &points, direction: None },
-                Starts::Free,
-                None,
-                0,
-                0,
-            )
-            .unwrap();
+            let goals = Goals::Positions { points: &points, direction: None };
+            let tolerance = Tolerance::default();
+            let request = arms::request(&chain, Task::Position, tolerance, goals, Starts::Free);
+            let plan = Plan::new(request, Settings::default()).unwrap();
             let answers = solve_at(level, &plan, 1, &mut || true).unwrap();
             let solved = (0..points.len()).filter(|&row| answers.success(row)).count();
             assert_eq!(solved, points.len(), "{name}, {level:?}");

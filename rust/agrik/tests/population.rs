@@ -3,15 +3,16 @@
 
 mod common;
 
-use agrik::batch;
+use agrik::call::{Answers, Goals, Request, Starts, Status, Tolerance};
 use agrik::chain::{Chain, DhConvention, DhRow, Joint, JointKind, Reach};
 use agrik::kinematics::Workspace;
 use agrik::lanes::{Kernel, Level, Real, dispatch};
+use agrik::random::Stream;
+use agrik::solve::Follow;
 use agrik::solve::population::{
     Adaptation, Algorithm, Boundary, Differential, Evolution, Fitness, Gene, Mutation, Orientation,
-    Redraw, Settings, Stream, minimise,
+    Redraw, Settings, minimise,
 };
-use agrik::solve::{Answers, Follow, Goals, Plan, Starts, Status, Tolerance};
 use agrik::task::Task;
 use common::{Sampler, plain_poses, random_q};
 
@@ -47,16 +48,15 @@ fn reachable(chain: &Chain, count: usize, seed: u64) -> Vec<[f64; 16]> {
         .collect()
 }
 
-fn plan<'a>(chain: &'a Chain, poses: &'a [[f64; 16]], starts: Starts<'a>) -> Plan<'a> {
-    let settings = agrik::solve::Settings::LEVENBERG_MARQUARDT;
+fn request<'a>(chain: &'a Chain, poses: &'a [[f64; 16]], starts: Starts<'a>) -> Request<'a> {
     let tolerance = Tolerance { position: 1e-4, orientation: 1e-3 };
-    Plan::new(chain, Task::Pose, settings, tolerance, Goals::Poses(poses), starts, None, 3, 0)
-        .expect("a plan")
+    common::arms::request(chain, Task::Pose, tolerance, Goals::Poses(poses), starts).with_seed(3, 0)
 }
 
 fn solve(chain: &Chain, poses: &[[f64; 16]], settings: Settings, threads: usize) -> Answers {
-    let evolution = Evolution::new(plan(chain, poses, Starts::Free), settings).expect("settings");
-    batch::solve(&evolution, threads, &mut || true).expect("answers")
+    let evolution =
+        Evolution::new(request(chain, poses, Starts::Free), settings).expect("settings");
+    agrik::call::solve(&evolution, threads, &mut || true).expect("answers")
 }
 
 fn share(answers: &Answers) -> f64 {
@@ -145,8 +145,8 @@ fn every_variant_of_the_recipe_succeeds_as_often_as_it_should() {
 fn a_trace_falls_and_ends_where_the_run_does() {
     let chain = redundant7();
     let poses = reachable(&chain, 3, 5);
-    let evolution =
-        Evolution::new(plan(&chain, &poses, Starts::Free), Settings::PUBLISHED).expect("settings");
+    let evolution = Evolution::new(request(&chain, &poses, Starts::Free), Settings::PUBLISHED)
+        .expect("settings");
     let trace = evolution.trace(Level::in_use(), 1).expect("a trace");
     assert_eq!(trace.len(), 201);
     assert!(trace.windows(2).all(|pair| pair[1] <= pair[0]));
@@ -220,8 +220,9 @@ fn start_values_are_kept_near() {
         })
         .collect();
     let way = |settings: Settings, starts: Starts<'_>| -> f64 {
-        let evolution = Evolution::new(plan(&chain, &poses, starts), settings).expect("settings");
-        let answers = batch::solve(&evolution, 1, &mut || true).expect("answers");
+        let evolution =
+            Evolution::new(request(&chain, &poses, starts), settings).expect("settings");
+        let answers = agrik::call::solve(&evolution, 1, &mut || true).expect("answers");
         assert!(share(&answers) > 0.9);
         answers.q.iter().zip(&near).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     };
@@ -321,7 +322,7 @@ fn settings_out_of_range_are_refused_by_name() {
         ("elites", Settings { population: 4, ..with_elites(4) }),
     ];
     for (name, settings) in cases {
-        let error = Evolution::new(plan(&chain, &poses, Starts::Free), settings)
+        let error = Evolution::new(request(&chain, &poses, Starts::Free), settings)
             .map(|_| ())
             .expect_err("out of range");
         assert!(error.to_string().starts_with(&format!("{name}: ")), "{error}");
@@ -348,7 +349,7 @@ fn a_path_is_followed_in_small_steps_and_jumps_are_told() {
     };
     let mut poses: Vec<[f64; 16]> = (1..=100).map(|i| pose(f64::from(i) / 100.0)).collect();
     let follow = |poses: &[[f64; 16]]| {
-        Follow::new(plan(&chain, poses, Starts::Free), Some(&from), vec![0.2; 7], 0.5)
+        Follow::new(request(&chain, poses, Starts::Free), Some(&from), vec![0.2; 7], 0.5)
             .expect("a path")
             .run(Level::in_use(), &mut || true)
             .expect("answers")
@@ -380,7 +381,7 @@ fn paths_with_wrong_numbers_are_refused() {
     let chain = redundant7();
     let poses = reachable(&chain, 2, 11);
     let new = |q0: &[f64], steps: Vec<f64>, pull: f64| {
-        Follow::new(plan(&chain, &poses, Starts::Free), Some(q0), steps, pull)
+        Follow::new(request(&chain, &poses, Starts::Free), Some(q0), steps, pull)
             .map(|_| ())
             .expect_err("refused")
             .to_string()

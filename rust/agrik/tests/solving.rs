@@ -3,9 +3,9 @@
 
 mod common;
 
-use agrik::batch;
+use agrik::call::{Goals, Starts, Status, Tolerance, solve};
 use agrik::chain::{Chain, JointKind};
-use agrik::solve::{Goals, Plan, Settings, Starts, Status, Tolerance};
+use agrik::solve::{Plan, Settings};
 use agrik::task::{MaskFrame, Task};
 use common::random_chain::chain;
 use common::{Sampler, plain_poses, random_q};
@@ -71,9 +71,9 @@ fn check(chain: &Chain, task: Task, sampler: &mut Sampler) -> usize {
     let rows: Vec<[f64; 16]> = poses.iter().map(row_major).collect();
     let settings = Settings { max_restarts: 30, ..Settings::default() };
     let goals = Goals::Poses(&rows);
-    let plan = Plan::new(chain, task, settings, TOLERANCE, goals, Starts::Free, None, 0, 0)
-        .expect("a valid call");
-    let answers = batch::solve(&plan, 1, &mut || true).expect("not interrupted");
+    let request = common::arms::request(chain, task, TOLERANCE, goals, Starts::Free);
+    let plan = Plan::new(request, settings).expect("settings in range");
+    let answers = solve(&plan, 1, &mut || true).expect("not interrupted");
     let dof = chain.dof();
     let mut solved = 0;
     for (row, wanted) in poses.iter().enumerate() {

@@ -1,12 +1,14 @@
 //! What the benches share: two arms, reachable targets, calls of the solver.
 #![allow(dead_code, reason = "each bench uses a part")]
 
+#[path = "../../tests/common/arms.rs"]
 pub mod arms;
 pub mod counted;
 
+use agrik::call::{Goals, Request, Starts, Tolerance};
 use agrik::chain::Chain;
 use agrik::lanes::{Kernel, Level, Real};
-use agrik::solve::{Goals, Plan, Settings, Starts, Tolerance};
+use agrik::solve::{Plan, Settings};
 use agrik::task::Task;
 
 /// The instruction sets of this machine, lowest first.
@@ -25,14 +27,14 @@ impl Kernel for Width {
     }
 }
 
-/// A call for full poses with the default solver and tolerance, starts chosen by seed 0.
-pub fn pose_plan<'a>(chain: &'a Chain, poses: &'a [[f64; 16]]) -> Plan<'a> {
-    plan(chain, Task::Pose, Goals::Poses(poses))
+/// A request for full poses with the default tolerance, starts chosen by seed 0.
+pub fn pose_request<'a>(chain: &'a Chain, poses: &'a [[f64; 16]]) -> Request<'a> {
+    let tolerance = Tolerance::default();
+    arms::request(chain, Task::Pose, tolerance, Goals::Poses(poses), Starts::Free)
 }
 
-/// The same for any task.
-pub fn plan<'a>(chain: &'a Chain, task: Task, goals: Goals<'a>) -> Plan<'a> {
-    let settings = Settings::default();
-    Plan::new(chain, task, settings, Tolerance::default(), goals, Starts::Free, None, 0, 0)
+/// The same with the default solver.
+pub fn pose_plan<'a>(chain: &'a Chain, poses: &'a [[f64; 16]]) -> Plan<'a> {
+    Plan::new(pose_request(chain, poses), Settings::default())
         .expect("the arguments of a bench are in range")
 }

@@ -3,22 +3,21 @@
 mod compiled;
 mod dh;
 mod joint;
-mod postures;
+mod memo;
 mod reach;
 mod urdf;
 
-use std::sync::OnceLock;
+use std::any::Any;
 
 use nalgebra::{IsometryMatrix3, Matrix4};
 
 pub use compiled::{Compiled, Link, Tail, Twist};
 pub use dh::{DhConvention, DhRow};
 pub use joint::{Joint, JointKind, Mimic};
-pub use postures::{BLOCK, FEATURES, Places, Postures};
 pub use reach::Reach;
 
-use crate::closed_form::ClosedForm;
 use crate::error::{Error, Result};
+use memo::Memo;
 
 /// One independent joint value: an entry of `q`.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,8 +51,7 @@ pub struct Chain {
     compiled: Compiled,
     reach: Reach,
     last_joint_reach: Option<Reach>,
-    postures: OnceLock<Postures>,
-    closed_form: OnceLock<std::result::Result<ClosedForm, String>>,
+    memo: Memo,
 }
 
 impl Chain {
@@ -88,8 +86,7 @@ impl Chain {
             compiled,
             reach,
             last_joint_reach,
-            postures: OnceLock::new(),
-            closed_form: OnceLock::new(),
+            memo: Memo::default(),
         })
     }
 
@@ -112,12 +109,6 @@ impl Chain {
     fn rebuilt(&self, base: IsometryMatrix3<f64>, tool: IsometryMatrix3<f64>) -> Result<Self> {
         let order: Vec<String> = self.variables.iter().map(|v| v.name.clone()).collect();
         Self::new(self.name.clone(), self.joints.clone(), base, tool, Some(&order))
-    }
-
-    /// The same chain under another name.
-    pub fn with_name(mut self, name: impl Into<String>) -> Self {
-        self.name = name.into();
-        self
     }
 
     /// Name of the robot.
@@ -162,18 +153,9 @@ impl Chain {
         self.last_joint_reach.as_ref()
     }
 
-    /// The table of sampled postures, made by `build` when it is first asked for.
-    pub fn postures(&self, build: impl FnOnce(&Self) -> Postures) -> &Postures {
-        self.postures.get_or_init(|| build(self))
-    }
-
-    /// The chain's closed form, or why it has none, found by `recognise` when it is first
-    /// asked for.
-    pub fn closed_form(
-        &self,
-        recognise: impl FnOnce(&Self) -> std::result::Result<ClosedForm, String>,
-    ) -> &std::result::Result<ClosedForm, String> {
-        self.closed_form.get_or_init(|| recognise(self))
+    /// What `make` derives from this chain: made when its type is first asked for, and kept.
+    pub fn memo<T: Any + Send + Sync>(&self, make: impl Fn(&Self) -> T) -> &T {
+        self.memo.get_or_make(|| make(self))
     }
 
     /// True where all of `q` lies inside the limits, end points included.

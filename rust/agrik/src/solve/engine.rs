@@ -15,10 +15,10 @@ use self::attempts::Job;
 use self::feedback::{Halt, Memory};
 use self::limit::{Limit, limits};
 use self::runs::Runs;
-use super::answers::AnswersMut;
 use super::plan::{INSIDE, Plan};
 use super::setup::Setup;
 use super::step::{dot, pulled, squared_norm};
+use crate::call::AnswersMut;
 use crate::chain::{JointKind, Variable};
 use crate::kinematics::{PerJoint, Workspace, columns, forward};
 use crate::lanes::Real;
@@ -42,7 +42,7 @@ pub fn run<'a, R: Real>(
     keep_going: &mut dyn FnMut() -> bool,
 ) -> bool {
     // Two loops in one source: feedback laws would slow the others down.
-    match (&plan.setup().feedback, plan.setup().task) {
+    match (&plan.setup().feedback, plan.setup().aim.task()) {
         (None, _) => run_task::<R, false>(plan, next, keep_going),
         (Some(_), Task::Position) => {
             Engine::<R, _, 3, true>::new(plan, PositionRows).run(next, keep_going)
@@ -69,7 +69,7 @@ fn run_task<'a, R: Real, const FEEDBACK: bool>(
 ) -> bool {
     let setup = plan.setup();
     let scale = setup.rotation_scale;
-    match setup.task {
+    match setup.aim.task() {
         Task::Position => {
             Engine::<R, _, 3, FEEDBACK>::new(plan, PositionRows).run(next, keep_going)
         }
@@ -77,11 +77,11 @@ fn run_task<'a, R: Real, const FEEDBACK: bool>(
             Engine::<R, _, 6, FEEDBACK>::new(plan, PoseRows { scale }).run(next, keep_going)
         }
         Task::Axis { tool_axis } => {
-            let axis = setup.tail.direction(tool_axis);
+            let axis = setup.aim.tail().direction(tool_axis);
             Engine::<R, _, 5, FEEDBACK>::new(plan, AxisRows { scale, axis }).run(next, keep_going)
         }
         Task::Masked { weights, frame } => {
-            let rows = MaskedRows { scale, weights, frame, tool: setup.tail.rotation };
+            let rows = MaskedRows { scale, weights, frame, tool: setup.aim.tail().rotation };
             Engine::<R, _, 6, FEEDBACK>::new(plan, rows).run(next, keep_going)
         }
     }
@@ -127,7 +127,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
     fn new(plan: &'p Plan<'p>, rows: T) -> Self {
         let setup = plan.setup();
         let settings = &setup.settings;
-        let variables = plan.chain.variables();
+        let variables = plan.request.chain().variables();
         let dof = variables.len();
         Self {
             plan,
@@ -149,7 +149,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             change: smallvec![R::zero(); dof],
             pull: smallvec![R::zero(); dof],
             columns: smallvec![[R::zero(); M]; dof],
-            workspace: Workspace::new(plan.chain.compiled()),
+            workspace: Workspace::new(plan.request.chain().compiled()),
             goal: Goal::zero(),
             memory: Memory::new(setup.feedback.as_ref(), dof),
             begin: smallvec![0.0; dof],
@@ -162,7 +162,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
         keep_going: &mut dyn FnMut() -> bool,
     ) -> bool {
-        let tolerance = self.setup.tolerance;
+        let tolerance = self.setup.aim.tolerance();
         let position2 = square::<R>(tolerance.position);
         let orientation2 = square::<R>(tolerance.orientation);
         let all = ((1u64 << R::WIDTH) - 1) as u32;
@@ -223,17 +223,17 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
 
     #[inline(always)]
     fn evaluate(&mut self) -> TaskError<R, M> {
-        let compiled = self.plan.chain.compiled();
+        let compiled = self.plan.request.chain().compiled();
         forward(compiled, &self.q, &mut self.workspace);
-        let tool = self.workspace.tool_point(self.setup.tail.translation);
+        let tool = self.workspace.tool_point(self.setup.aim.tail().translation);
         self.rows.error(&self.workspace, tool, &self.goal)
     }
 
     /// One step of the lanes in `moving`; returns those that did not move.
     #[inline(always)]
     fn step(&mut self, error: &TaskError<R, M>, moving: u32) -> u32 {
-        let compiled = self.plan.chain.compiled();
-        let tool = self.workspace.tool_point(self.setup.tail.translation);
+        let compiled = self.plan.request.chain().compiled();
+        let tool = self.workspace.tool_point(self.setup.aim.tail().translation);
         if !compiled.simple {
             self.columns.fill([R::zero(); M]);
         }

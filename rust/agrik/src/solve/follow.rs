@@ -1,13 +1,13 @@
 //! A path of targets, one after the other: every posture continues the one before.
 
-use super::answers::{Answers, Outcome, Status};
+use super::Settings;
 use super::plan::{INSIDE, Plan};
-use super::population::Stream;
-use super::{Settings, Solve};
+use crate::call::{Answers, Outcome, Request, Solve, Status};
 use crate::chain::JointKind;
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, forward};
 use crate::lanes::Level;
+use crate::random::Stream;
 use crate::task::Goal;
 
 /// The steps of one attempt to continue.
@@ -38,19 +38,19 @@ pub struct Path {
 }
 
 impl<'a> Follow<'a> {
-    /// A checked path.
+    /// A checked path through the targets of a request, whose starts are of no account.
     ///
     /// `q0` is where the arm stands before the first target (without it, the first posture
     /// is free); `max_joint_step` (rad or m, one number a joint) bounds the change of each
     /// joint from one target to the next; `pull` (0 to 1) is the share of the way back to
     /// the posture before that each step goes inside the null space of the task.
     pub fn new(
-        plan: Plan<'a>,
+        request: Request<'a>,
         q0: Option<&'a [f64]>,
         max_joint_step: Vec<f64>,
         pull: f64,
     ) -> Result<Self> {
-        let dof = plan.chain.dof();
+        let (chain, dof) = (request.chain(), request.chain().dof());
         if max_joint_step.len() != dof {
             let got = max_joint_step.len();
             return Err(Error::argument("max_joint_step", format!("{dof} numbers"), got));
@@ -62,27 +62,26 @@ impl<'a> Follow<'a> {
             return Err(Error::argument("pull", "a number, 0 to 1", pull));
         }
         if let Some(q0) = q0
-            && (q0.len() != dof
-                || q0.iter().any(|x| !x.is_finite())
-                || !plan.chain.within_limits(q0))
+            && (q0.len() != dof || q0.iter().any(|x| !x.is_finite()) || !chain.within_limits(q0))
         {
             let expected = format!("{dof} finite numbers within the limits");
             return Err(Error::argument("q0", expected, format!("{q0:?}")));
         }
+        let plan = Plan::new(request, CONTINUE)?;
         Ok(Self { plan, q0, max_joint_step, pull })
     }
 
     /// Follows the path; `poll` is asked at every target whether to go on.
     pub fn run(&self, level: Level, poll: &mut dyn FnMut() -> bool) -> Result<Path> {
-        let (plan, dof) = (&self.plan, self.plan.chain.dof());
+        let (plan, dof) = (&self.plan, self.plan.request.chain().dof());
         let mut walker = Walker {
             follow: self,
             level,
             at: self.q0.map(<[f64]>::to_vec),
-            workspace: Workspace::new(plan.chain.compiled()),
+            workspace: Workspace::new(plan.request.chain().compiled()),
         };
-        let mut answers = Answers::new(plan.len(), dof);
-        let mut jumps = vec![false; plan.len()];
+        let mut answers = Answers::new(plan.request.len(), dof);
+        let mut jumps = vec![false; plan.request.len()];
         let mut rows = answers.as_mut();
         for (row, jump) in jumps.iter_mut().enumerate() {
             if !poll() {
@@ -94,7 +93,7 @@ impl<'a> Follow<'a> {
             match &walker.at {
                 Some(at) => q.copy_from_slice(at),
                 None => {
-                    for (x, v) in q.iter_mut().zip(plan.chain.variables()) {
+                    for (x, v) in q.iter_mut().zip(plan.request.chain().variables()) {
                         *x = v.near_zero();
                     }
                 }
@@ -117,7 +116,7 @@ impl Walker<'_> {
     fn advance(&mut self, row: usize) -> (Outcome, bool) {
         let plan = &self.follow.plan;
         let mut outcome = Outcome::unanswered(Status::BadInput);
-        let Some(goal) = plan.goal(row) else { return (outcome, true) };
+        let Some(goal) = plan.request.goal(row) else { return (outcome, true) };
         let mut stream = Stream::new(plan.sampler.key(row, 0));
         let mut found = None;
         if let Some(at) = self.at.clone() {
@@ -137,11 +136,11 @@ impl Walker<'_> {
         if found.is_none() {
             let middle: Vec<f64> = match &self.at {
                 Some(at) => at.clone(),
-                None => plan.chain.near_zero(),
+                None => plan.request.chain().near_zero(),
             };
             let mut starts = middle.clone();
             for _ in 1..OTHERS {
-                for (v, x) in plan.chain.variables().iter().zip(&middle) {
+                for (v, x) in plan.request.chain().variables().iter().zip(&middle) {
                     let (low, high) = match v.kind {
                         JointKind::Continuous => {
                             (x - std::f64::consts::PI, x + std::f64::consts::PI)
@@ -167,8 +166,8 @@ impl Walker<'_> {
             None => outcome.status = Status::NotFound,
         }
         if let Some(at) = &self.at {
-            forward(plan.chain.compiled(), at, &mut self.workspace);
-            let (position2, orientation2) = plan.errors(&self.workspace, &goal);
+            forward(plan.request.chain().compiled(), at, &mut self.workspace);
+            let (position2, orientation2) = plan.request.errors(&self.workspace, &goal);
             outcome.position_error = position2.sqrt();
             outcome.orientation_error = orientation2.sqrt();
         }
@@ -177,7 +176,7 @@ impl Walker<'_> {
 
     /// The joints' ranges one step around a posture, within the limits.
     fn bounds(&self, at: &[f64]) -> Vec<(f64, f64)> {
-        let variables = self.follow.plan.chain.variables().iter();
+        let variables = self.follow.plan.request.chain().variables().iter();
         variables
             .zip(at)
             .zip(&self.follow.max_joint_step)
@@ -205,9 +204,9 @@ impl Walker<'_> {
         outcome: &mut Outcome,
     ) -> Option<Vec<f64>> {
         let plan = &self.follow.plan;
-        let dof = plan.chain.dof();
+        let dof = plan.request.chain().dof();
         let count = starts.len() / dof;
-        let target = plan.copies(row, count);
+        let target = plan.request.copies(row, count);
         let mut copies = plan.with(&target, starts, settings);
         copies.bounds = bounds.map(<[_]>::to_vec);
         // A free search goes where it gets; only its choice is for what is near.
@@ -221,11 +220,12 @@ impl Walker<'_> {
         for q in answers.q.chunks_exact(dof) {
             let way2: f64 = q.iter().zip(near).map(|(a, b)| (a - b) * (a - b)).sum();
             let nearer = best.is_none_or(|(least, _)| way2 < least);
-            let inside = plan.chain.within_limits(q) && (bounds.is_none() || self.is_step(near, q));
+            let inside = plan.request.chain().within_limits(q)
+                && (bounds.is_none() || self.is_step(near, q));
             if nearer && inside {
-                forward(plan.chain.compiled(), q, &mut self.workspace);
-                let (position2, orientation2) = plan.errors(&self.workspace, goal);
-                let tolerance = plan.setup().tolerance;
+                forward(plan.request.chain().compiled(), q, &mut self.workspace);
+                let (position2, orientation2) = plan.request.errors(&self.workspace, goal);
+                let tolerance = plan.setup().aim.tolerance();
                 if position2 <= (tolerance.position * INSIDE).powi(2)
                     && orientation2 <= (tolerance.orientation * INSIDE).powi(2)
                 {

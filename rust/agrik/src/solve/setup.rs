@@ -1,49 +1,20 @@
-//! What stays the same from call to call of a control loop: task, step, tolerance, tool.
+//! What stays the same from call to call of a control loop: the aim and the step.
 
 use super::Settings;
+use super::plan::Plan;
 use super::start::Ranking;
 use super::step::{Feedback, StartRule, middle};
+use crate::call::{Aim, Goals, Request, Starts};
 use crate::chain::{Chain, Reach, Tail};
 use crate::error::{Error, Result};
 use crate::task::{Task, rotation_scale};
 
-/// How near is near enough.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tolerance {
-    /// Distance, m.
-    pub position: f64,
-    /// Angle, rad.
-    pub orientation: f64,
-}
-
-impl Default for Tolerance {
-    fn default() -> Self {
-        Self { position: 1e-6, orientation: 1e-6 }
-    }
-}
-
-impl Tolerance {
-    /// Refuses what no error can be below.
-    pub(crate) fn check(&self) -> Result<()> {
-        for (name, value) in
-            [("position_tolerance", self.position), ("orientation_tolerance", self.orientation)]
-        {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(Error::argument(name, "a finite number above 0", value));
-            }
-        }
-        Ok(())
-    }
-}
-
-/// A task and how to do it, checked and worked out for a chain. Making one may cost more
+/// An aim and how to get there, checked and worked out for a chain. Making one may cost more
 /// than solving a target: gains of feedback laws come from a singular value decomposition.
 #[derive(Debug, Clone)]
 pub struct Setup {
-    pub(super) task: Task,
+    pub(super) aim: Aim,
     pub(super) settings: Settings,
-    pub(super) tolerance: Tolerance,
-    pub(super) tail: Tail,
     pub(super) rotation_scale: f64,
     /// The feedback law of the settings, if it is one.
     pub(super) feedback: Option<Feedback>,
@@ -56,23 +27,16 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// A checked setup; `tail` is a tool in place of the chain's own.
-    pub fn new(
-        chain: &Chain,
-        task: Task,
-        settings: Settings,
-        tolerance: Tolerance,
-        tail: Option<Tail>,
-    ) -> Result<Self> {
-        let task = task.checked()?;
+    /// A checked setup.
+    pub fn new(chain: &Chain, aim: Aim, settings: Settings) -> Result<Self> {
         settings.check()?;
-        tolerance.check()?;
+        let (task, tail) = (aim.task(), *aim.tail());
         let compiled = chain.compiled();
-        let tool_reach = match &tail {
-            Some(tail) => Reach::with_tail(compiled, chain.variables(), tail),
-            None => *chain.reach(),
+        let tool_reach = if tail == compiled.tail {
+            *chain.reach()
+        } else {
+            Reach::with_tail(compiled, chain.variables(), &tail)
         };
-        let tail = tail.unwrap_or(compiled.tail);
         let rotation_scale = rotation_scale(chain.reach().radius);
         let feedback = Feedback::new(&settings, chain, &task, &tail, rotation_scale)?;
         let usual_start = match settings.start {
@@ -82,10 +46,8 @@ impl Setup {
         };
         let ranking = ranking(&task, &compiled.tail, &tail, rotation_scale);
         Ok(Self {
-            task,
+            aim,
             settings,
-            tolerance,
-            tail,
             rotation_scale,
             feedback,
             usual_start,
@@ -93,6 +55,23 @@ impl Setup {
             tool_reach,
             dof: chain.dof(),
         })
+    }
+
+    /// A call for targets of the chain that the setup was made for; allocates nothing.
+    pub fn plan<'a>(
+        &'a self,
+        chain: &'a Chain,
+        goals: Goals<'a>,
+        starts: Starts<'a>,
+        seed: u64,
+        first_index: u64,
+    ) -> Result<Plan<'a>> {
+        if self.dof != chain.dof() {
+            let expected = format!("one of {} joint values", chain.dof());
+            return Err(Error::argument("setup", expected, self.dof));
+        }
+        let request = Request::new(chain, self.aim, goals, starts)?.with_seed(seed, first_index);
+        Ok(Plan::with_setup(request, self))
     }
 }
 
@@ -114,9 +93,8 @@ mod tests {
     use nalgebra::IsometryMatrix3;
 
     use super::*;
-    use crate::batch;
+    use crate::call::{Tolerance, solve};
     use crate::chain::{DhConvention, DhRow, JointKind};
-    use crate::solve::{Goals, Plan, Starts};
 
     fn arm(joints: usize) -> Chain {
         let joints = (0..joints).map(|i| {
@@ -137,19 +115,18 @@ mod tests {
         for (settings, solves) in
             [(Settings::LEVENBERG_MARQUARDT, true), (Settings::STATE_SPACE, false)]
         {
-            let (task, tolerance) = (Task::Position, Tolerance::default());
-            let setup = Setup::new(&chain, task, settings.clone(), tolerance, None).expect("valid");
-            let whole =
-                Plan::new(&chain, task, settings, tolerance, goals, Starts::Free, None, 3, 1)
-                    .expect("valid");
-            let wanted = batch::solve(&whole, 1, &mut || true).expect("not interrupted");
+            let aim = Aim::new(&chain, Task::Position, Tolerance::default(), None).expect("valid");
+            let setup = Setup::new(&chain, aim, settings.clone()).expect("valid");
+            let request = Request::new(&chain, aim, goals, Starts::Free).expect("valid");
+            let whole = Plan::new(request.with_seed(3, 1), settings).expect("valid");
+            let wanted = solve(&whole, 1, &mut || true).expect("not interrupted");
             assert!(!solves || wanted.success(0) && wanted.success(1), "{:?}", wanted.status);
             for _ in 0..2 {
-                let call = Plan::with_setup(&chain, &setup, goals, Starts::Free, 3, 1);
-                let call = call.expect("valid");
-                assert_eq!(batch::solve(&call, 1, &mut || true).expect("not interrupted"), wanted);
+                let call = setup.plan(&chain, goals, Starts::Free, 3, 1).expect("valid");
+                assert_eq!(solve(&call, 1, &mut || true).expect("not interrupted"), wanted);
             }
-            let other = Plan::with_setup(&arm(5), &setup, goals, Starts::Free, 3, 1).map(|_| ());
+            let other = arm(5);
+            let other = setup.plan(&other, goals, Starts::Free, 3, 1).map(|_| ());
             let said = other.expect_err("made for another chain").to_string();
             assert!(said.contains("setup") && said.contains('4') && said.contains('5'), "{said}");
         }

@@ -1,12 +1,12 @@
 //! Start points: of the sampled postures around a target, the one that comes nearest to
 //! it; for later attempts the nearest of a few from everywhere, and now and then any.
 
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::{Rng, SeedableRng};
-
-use crate::chain::{BLOCK, Chain, FEATURES, JointKind, Places, Postures};
+use super::postures::{BLOCK, FEATURES, Places, Postures};
+use crate::call::Request;
+use crate::chain::{Chain, JointKind};
 use crate::kinematics::tool_poses;
 use crate::lanes::{dot, sub};
+use crate::random::{Sequence, mix};
 use crate::task::{Goal, pose_goal, pose_parts};
 
 /// Postures in the part of a chain's table that is sorted by place, and in the part that
@@ -56,8 +56,10 @@ pub(super) struct Sampler<'a> {
 
 impl<'a> Sampler<'a> {
     /// A sampler over the joints' limits.
-    pub fn new(chain: &'a Chain, ranking: Ranking, seed: u64, first_index: u64) -> Self {
-        Self { seed, first_index, postures: chain.postures(sample_postures), ranking }
+    pub fn new(request: &Request<'a>, ranking: Ranking) -> Self {
+        let postures = request.chain().memo(sample_postures);
+        let (seed, first_index) = (request.seed(), request.first_index());
+        Self { seed, first_index, postures, ranking }
     }
 
     /// What alone decides the random numbers of an attempt at a target.
@@ -74,7 +76,7 @@ impl<'a> Sampler<'a> {
         let window = if self.ranking.placed && attempt < NEARBY {
             self.window_near(goal, attempt as usize, key)
         } else if attempt % ANYWHERE == ANYWHERE - 1 {
-            draw(&mut Xoshiro256PlusPlus::seed_from_u64(key), &self.postures.ranges, q);
+            draw(&mut Sequence::new(key), &self.postures.ranges, q);
             return;
         } else {
             let drawn = u128::from(key) * windows(SCATTERED) as u128;
@@ -198,7 +200,7 @@ fn ranges(chain: &Chain) -> Vec<(f64, f64)> {
 fn sample_postures(chain: &Chain) -> Postures {
     let dof = chain.dof();
     let ranges = ranges(chain);
-    let mut stream = Xoshiro256PlusPlus::seed_from_u64(TABLE_SEED);
+    let mut stream = Sequence::new(TABLE_SEED);
     let mut q = vec![0.0; (SORTED + SCATTERED) * dof];
     for posture in q.chunks_exact_mut(dof) {
         draw(&mut stream, &ranges, posture);
@@ -244,20 +246,8 @@ fn sample_postures(chain: &Chain) -> Postures {
     Postures { ranges, q: ordered, blocks, places }
 }
 
-fn draw(stream: &mut Xoshiro256PlusPlus, ranges: &[(f64, f64)], q: &mut [f64]) {
+fn draw(stream: &mut Sequence, ranges: &[(f64, f64)], q: &mut [f64]) {
     for (x, (lower, width)) in q.iter_mut().zip(ranges) {
-        *x = width * uniform(stream) + lower;
+        *x = width * stream.uniform() + lower;
     }
-}
-
-/// A number in [0, 1) with 53 random bits.
-fn uniform(stream: &mut Xoshiro256PlusPlus) -> f64 {
-    (stream.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
-}
-
-/// The finaliser of SplitMix64 (Steele, Lea and Flood 2014): spreads every bit over all.
-fn mix(mut x: u64) -> u64 {
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ (x >> 31)
 }

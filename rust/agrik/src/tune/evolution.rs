@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use super::random::Stream;
+use super::sequence;
 use super::{Judge, Reader};
 use crate::error::Result;
 
@@ -99,7 +99,7 @@ impl Evolution {
         // The costs of the best so far, as many as become parents, in rising order.
         let mut parents = vec![f64::INFINITY; next.constants.weights.len()];
         for member in 0..next.members {
-            let mut stream = Stream::new(next.seed, next.generation, member as u64);
+            let mut stream = sequence(next.seed, next.generation, member as u64);
             let z = DVector::from_fn(n, |k, _| scales[k] * stream.normal());
             let y = &eigen.eigenvectors * z;
             let x = &next.mean + &y * next.sigma;

@@ -8,7 +8,6 @@
 mod evolution;
 mod family;
 mod problem;
-mod random;
 mod swarm;
 
 pub use evolution::Evolution;
@@ -17,6 +16,7 @@ pub use problem::{Cost, Problem, Score};
 pub use swarm::Swarm;
 
 use crate::error::{Error, Result};
+use crate::random::Sequence;
 
 /// A search, by its method.
 #[derive(Debug, Clone)]
@@ -98,4 +98,11 @@ impl Reader<'_> {
             *x = self.one();
         }
     }
+}
+
+/// The random numbers of a member in a generation: nothing but the generation's number has
+/// to be stored with a search.
+fn sequence(seed: u64, generation: u64, member: u64) -> Sequence {
+    let key = seed ^ generation.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    Sequence::new(key.rotate_left(23) ^ member.wrapping_mul(0xd1b5_4a32_d192_ed03))
 }

@@ -1,10 +1,10 @@
 //! What a vector of gains costs on a set of training goals.
 
 use super::Family;
-use crate::batch;
+use crate::call::{Aim, Goals, Request, Starts, Status, Tolerance, solve};
 use crate::chain::Chain;
 use crate::error::{Error, Result};
-use crate::solve::{Goals, Pace, Plan, Settings, StartRule, Starts, Status, Tolerance};
+use crate::solve::{Pace, Plan, Settings, StartRule};
 use crate::task::Task;
 
 /// Steps that count as one unit of effort.
@@ -157,18 +157,9 @@ impl Problem<'_> {
         };
         let tolerance = Tolerance { position: self.tolerance, ..Tolerance::default() };
         let goals = Goals::Positions { points: goals, direction: None };
-        let plan = Plan::new(
-            self.chain,
-            Task::Position,
-            settings,
-            tolerance,
-            goals,
-            Starts::Free,
-            None,
-            0,
-            0,
-        )?;
-        let answers = batch::solve(&plan, threads, poll)?;
+        let aim = Aim::new(self.chain, Task::Position, tolerance, None)?;
+        let request = Request::new(self.chain, aim, goals, Starts::Free)?;
+        let answers = solve(&Plan::new(request, settings)?, threads, poll)?;
         let pay = &self.cost;
         let unstable = if self.family.is_stable(x) { 0.0 } else { pay.broken };
         let cost = |(row, status): (usize, &u8)| {

@@ -1,6 +1,6 @@
 //! Particle swarm with constriction (Clerc and Kennedy 2002), updated one by one.
 
-use super::random::Stream;
+use super::sequence;
 use super::{Judge, Reader};
 use crate::error::Result;
 
@@ -30,7 +30,7 @@ impl Swarm {
         let mut x = Vec::new();
         let mut v = Vec::new();
         for member in 0..particles {
-            let mut stream = Stream::new(seed, 0, member as u64);
+            let mut stream = sequence(seed, 0, member as u64);
             let spread = if member == 0 { 0.0 } else { sigma };
             for value in start {
                 x.push(value + spread * stream.normal());
@@ -68,7 +68,7 @@ impl Swarm {
             let own = member * d..(member + 1) * d;
             if next.generation > 0 {
                 let leader = next.leader() * d;
-                let mut stream = Stream::new(next.seed, next.generation, member as u64);
+                let mut stream = sequence(next.seed, next.generation, member as u64);
                 for k in own.clone() {
                     let (r1, r2) = (stream.uniform(), stream.uniform());
                     let x = next.x[k];

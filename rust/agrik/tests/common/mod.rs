@@ -1,6 +1,8 @@
 //! What the integration tests share: plain kinematics, random values, random chains.
 #![allow(dead_code, reason = "each test file uses a part")]
 
+#[path = "arms.rs"]
+pub mod arms;
 pub mod random_chain;
 
 use agrik::chain::{Chain, Joint, JointKind};

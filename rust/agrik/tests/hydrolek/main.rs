@@ -9,17 +9,16 @@ mod singular;
 mod traces;
 mod tuning;
 
-use agrik::batch;
+use agrik::call::{Answers, Goals, Starts, Tolerance};
 use agrik::chain::Chain;
-use agrik::solve::{Answers, Goals, Plan, Settings, Starts, Tolerance};
+use agrik::solve::{Plan, Settings};
 use agrik::task::Task;
 
 /// Solves positions, m.
 fn solve(chain: &Chain, goals: &[[f64; 3]], settings: Settings, tolerance: f64) -> Answers {
     let tolerance = Tolerance { position: tolerance, ..Tolerance::default() };
     let goals = Goals::Positions { points: goals, direction: None };
-    let plan =
-        Plan::new(chain, Task::Position, settings, tolerance, goals, Starts::Free, None, 0, 0)
-            .expect("a plan");
-    batch::solve(&plan, 0, &mut || true).expect("answers")
+    let request = common::arms::request(chain, Task::Position, tolerance, goals, Starts::Free);
+    let plan = Plan::new(request, settings).expect("settings in range");
+    agrik::call::solve(&plan, 0, &mut || true).expect("answers")
 }

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
-use agrik::solve::{GainUnits, Pid, Settings, StartRule, Status, Step};
+use agrik::call::{Goals, Starts, Status, Tolerance};
+use agrik::solve::{GainUnits, Pid, Plan, Settings, StartRule, Step};
+use agrik::task::Task;
 
 use crate::arms::{gains, numbers, plain, planar, reference, state_space};
-use crate::solve;
+use crate::{common, solve};
 
 const GOAL: [f64; 3] = [5.0, 0.0, 0.0];
 
@@ -52,24 +54,13 @@ fn statuses_iterations_and_angles_are_those_of_the_reference() {
 fn a_nudge_is_enough_for_the_transpose_and_damped_steps() {
     let chain = planar();
     let nudged = |solver: &str| {
-        let tolerance = agrik::solve::Tolerance { position: 1e-6, ..Default::default() };
-        let goals = agrik::solve::Goals::Positions { points: &[GOAL], direction: None };
+        let tolerance = Tolerance { position: 1e-6, ..Default::default() };
+        let goals = Goals::Positions { points: &[GOAL], direction: None };
         let q0 = [1e-6, -2e-6, 1e-6];
-        let starts = agrik::solve::Starts::One(&q0);
-        let task = agrik::task::Task::Position;
-        let plan = agrik::solve::Plan::new(
-            &chain,
-            task,
-            law(solver),
-            tolerance,
-            goals,
-            starts,
-            None,
-            0,
-            0,
-        )
-        .expect("a plan");
-        agrik::batch::solve(&plan, 1, &mut || true).expect("answers")
+        let request =
+            common::arms::request(&chain, Task::Position, tolerance, goals, Starts::One(&q0));
+        let plan = Plan::new(request, law(solver)).expect("settings in range");
+        agrik::call::solve(&plan, 1, &mut || true).expect("answers")
     };
     for solver in ["jt", "dls_1"] {
         let answer = nudged(solver);

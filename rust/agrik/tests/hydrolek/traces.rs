@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use agrik::solve::{Pid, StartRule, Status, Step};
+use agrik::call::Status;
+use agrik::solve::{Pid, StartRule, Step};
 
 use crate::arms::{
     from_paper, gains, hydrolek, numbers, paper_units, plain, reference, state_space,

@@ -30,5 +30,5 @@ pub const LIMIT: &str = "<limit lower=\"-1\" upper=\"2\" effort=\"1\" velocity=\
 #[track_caller]
 pub fn refused(text: &str, base: Option<&str>, tip: Option<&str>, message: &str) {
     let error = Chain::from_urdf(text, base, tip).expect_err(message);
-    assert_eq!(error, Error::Urdf(message.to_string()));
+    assert_eq!(error, Error::Description { format: "URDF", message: message.to_string() });
 }

@@ -316,11 +316,12 @@ proptest! {
         }
         let text: String = text.into_iter().collect();
         let result = Chain::from_urdf(&text, None, None);
-        prop_assert!(matches!(result, Ok(_) | Err(Error::Urdf(_))), "{:?}", result);
+        prop_assert!(matches!(result, Ok(_) | Err(Error::Description { .. })), "{:?}", result);
     }
 
     #[test]
     fn any_text_never_panics(text in ".*") {
-        prop_assert!(matches!(Chain::from_urdf(&text, None, None), Err(Error::Urdf(_))));
+        let result = Chain::from_urdf(&text, None, None);
+        prop_assert!(matches!(result, Err(Error::Description { .. })), "{:?}", result);
     }
 }

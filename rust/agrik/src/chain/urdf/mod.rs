@@ -34,7 +34,7 @@ pub(super) fn parse(text: &str, base_link: Option<&str>, tip_link: Option<&str>)
     })
 }
 
-/// An [`Error::Urdf`].
+/// The error of a URDF text that does not describe a usable chain.
 fn fault(message: impl Into<String>) -> Error {
-    Error::Urdf(message.into())
+    Error::Description { format: "URDF", message: message.into() }
 }

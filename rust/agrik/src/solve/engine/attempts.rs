@@ -5,10 +5,10 @@ use smallvec::smallvec;
 use super::Engine;
 use super::feedback::Halt;
 use super::runs::{Place, Runs};
+use crate::call::{AnswersMut, Outcome, Status};
 use crate::chain::Variable;
 use crate::kinematics::PerJoint;
 use crate::lanes::Real;
-use crate::solve::answers::{AnswersMut, Outcome, Status};
 use crate::solve::step::squared_norm;
 use crate::task::{Goal, Rows, TaskError};
 
@@ -138,7 +138,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
     ) -> bool {
         loop {
             let Some((place, row)) = runs.next_row(next) else { return false };
-            let Some(goal) = self.plan.goal(row) else {
+            let Some(goal) = self.plan.request.goal(row) else {
                 let outcome = Outcome::unanswered(Status::BadInput);
                 runs.finish(place, outcome, self.variables.iter().map(Variable::near_zero));
                 continue;

@@ -258,15 +258,15 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
     /// that a PID law takes from the length of the error.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn pid(&mut self, pid: &Pid, error: &TaskError<R, M>, mask: R::Mask) -> Halt {
-        let compiled = self.plan.chain.compiled();
-        let tolerance = self.setup.tolerance;
+        let compiled = self.plan.request.chain().compiled();
+        let tolerance = self.setup.aim.tolerance();
         let (position2, orientation2) = (square(tolerance.position), square(tolerance.orientation));
-        let rounding = R::splat(ROUNDING * self.plan.chain.reach().radius);
+        let rounding = R::splat(ROUNDING * self.plan.request.chain().reach().radius);
         let dof = self.q.len();
         // Turning the tool about one axis moves no axis before it, so a sweep from the tip
         // needs one pass of forward kinematics.
         let full = pid.full_passes || pid.order == PidOrder::BaseFirst || !compiled.simple;
-        let mut tip = self.workspace.tool_point(self.setup.tail.translation);
+        let mut tip = self.workspace.tool_point(self.setup.aim.tail().translation);
         let mut axes = self.workspace.joint_axes();
         let mut length = squared_norm(&error.rows).sqrt();
         let memory = &mut self.memory;
@@ -298,7 +298,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
                 let (point, turned) = if full {
                     self.q[joint] = to;
                     forward(compiled, &self.q, &mut self.workspace);
-                    let point = self.workspace.tool_point(self.setup.tail.translation);
+                    let point = self.workspace.tool_point(self.setup.aim.tail().translation);
                     (point, self.workspace.joint_axes())
                 } else {
                     self.swing(joint, to - q, tip, axes)
@@ -359,8 +359,8 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
     /// A sweep of cyclic coordinate descent over the tool point.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn descent(&mut self, mask: R::Mask) -> Halt {
-        let compiled = self.plan.chain.compiled();
-        let mut tip = self.workspace.tool_point(self.setup.tail.translation);
+        let compiled = self.plan.request.chain().compiled();
+        let mut tip = self.workspace.tool_point(self.setup.aim.tail().translation);
         let axes = self.workspace.joint_axes();
         let mut moved = R::zero();
         for joint in (0..self.q.len()).rev() {
@@ -415,9 +415,9 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
     /// A Gauss-Newton step of one joint value that moves several joints.
     #[inline(always)]
     fn newton(&mut self, joint: usize) -> R {
-        let compiled = self.plan.chain.compiled();
+        let compiled = self.plan.request.chain().compiled();
         forward(compiled, &self.q, &mut self.workspace);
-        let tip = self.workspace.tool_point(self.setup.tail.translation);
+        let tip = self.workspace.tool_point(self.setup.aim.tail().translation);
         let mut column = [R::zero(); 3];
         crate::kinematics::columns(compiled, &self.workspace, tip, |variable, linear, _| {
             if variable == joint {

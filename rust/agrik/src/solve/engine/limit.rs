@@ -25,7 +25,7 @@ impl Limit {
 /// The limits of a plan: those of the joints, unless it has narrower ones.
 pub(super) fn limits(plan: &Plan<'_>) -> PerJoint<Limit> {
     match &plan.bounds {
-        None => plan.chain.variables().iter().map(Limit::of).collect(),
+        None => plan.request.chain().variables().iter().map(Limit::of).collect(),
         Some(bounds) => {
             bounds.iter().map(|&(lower, upper)| Limit { lower, upper, turns: false }).collect()
         }

@@ -2,7 +2,7 @@
 
 use smallvec::SmallVec;
 
-use crate::solve::answers::{AnswersMut, Outcome};
+use crate::call::{AnswersMut, Outcome};
 
 /// The runs in work, one to a slot.
 pub(super) struct Runs<'a>(SmallVec<[Option<Open<'a>>; 2]>);

@@ -1,8 +1,8 @@
 //! What becomes of genes that leave their range.
 
 use super::evaluator::Range;
-use super::random::Stream;
 use crate::lanes::Real;
+use crate::random::Stream;
 
 /// Rule for a gene out of its range; joints that turn freely are wrapped in any case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -3,11 +3,12 @@
 use super::boundary::Boundary;
 use super::evaluator::{Fitness, Gene, Population, Range};
 use super::progress::End;
-use super::random::Stream;
 use super::rows::Rows;
 use super::run::Run;
-use crate::error::{Error, Result};
+use crate::Allowed;
+use crate::error::Result;
 use crate::lanes::{Real, Words};
+use crate::random::Stream;
 
 /// What a mutant starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -96,15 +97,10 @@ struct Parts<'s, R> {
 impl Differential {
     /// Refuses numbers outside their ranges.
     pub fn check(&self) -> Result<()> {
-        if !(self.weight > 0.0 && self.weight <= 2.0) {
-            return Err(Error::argument("weight", "a number above 0, at most 2", self.weight));
-        }
+        Allowed::up_to(2.0).check("weight", self.weight)?;
         let (low, high) = self.crossover;
-        if !(low >= 0.0 && low <= high && high <= 2.0) {
-            let got = format!("({low}, {high})");
-            return Err(Error::argument("crossover", "0 <= lowest <= highest <= 2", got));
-        }
-        Ok(())
+        Allowed::between(0.0, 2.0).check("crossover", low)?;
+        Allowed::between(low, 2.0).check("crossover", high)
     }
 
     #[inline(always)]

@@ -1,9 +1,9 @@
 //! The shared evaluator of all population solvers: one individual per lane.
 
-use super::random::Stream;
 use crate::chain::{Chain, Compiled, JointKind};
 use crate::kinematics::{Workspace, forward_frame};
 use crate::lanes::Real;
+use crate::random::Stream;
 
 /// What makes one individual better than another: the lower the cost, the better.
 ///

@@ -4,10 +4,11 @@
 use super::boundary::Boundary;
 use super::evaluator::{Fitness, Gene, Population};
 use super::progress::End;
-use super::random::Stream;
 use super::run::Run;
-use crate::error::{Error, Result};
+use crate::Allowed;
+use crate::error::Result;
 use crate::lanes::Real;
+use crate::random::Stream;
 
 /// How a generation is bred.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,26 +32,12 @@ pub struct Genetic {
 impl Genetic {
     /// Refuses numbers outside their ranges.
     pub fn check(&self, population: u32) -> Result<()> {
-        if !(1..=population).contains(&self.tournament) {
-            let expected = format!("a whole number, 1 to the population, {population}");
-            return Err(Error::argument("tournament", expected, self.tournament));
-        }
-        if self.elites >= population {
-            let expected = format!("a whole number below the population, {population}");
-            return Err(Error::argument("elites", expected, self.elites));
-        }
-        for (name, value, most) in [
-            ("crossover_rate", self.crossover_rate, 1.0),
-            ("crossover_index", self.crossover_index, f64::MAX),
-            ("mutation_rate", self.mutation_rate, 1.0),
-            ("mutation_width", self.mutation_width, f64::MAX),
-        ] {
-            if !(value >= 0.0 && value <= most) {
-                let expected = if most == 1.0 { "a number, 0 to 1" } else { "a number >= 0" };
-                return Err(Error::argument(name, expected, value));
-            }
-        }
-        Ok(())
+        Allowed::whole(1, population).check("tournament", self.tournament)?;
+        Allowed::whole(0, population.saturating_sub(1)).check("elites", self.elites)?;
+        Allowed::SHARE.check("crossover_rate", self.crossover_rate)?;
+        Allowed::NOT_NEGATIVE.check("crossover_index", self.crossover_index)?;
+        Allowed::SHARE.check("mutation_rate", self.mutation_rate)?;
+        Allowed::NOT_NEGATIVE.check("mutation_width", self.mutation_width)
     }
 
     #[inline(always)]

@@ -4,9 +4,9 @@
 use super::differential::Differential;
 use super::evaluator::{Fitness, Gene, Population, Range};
 use super::progress::End;
-use super::random::Stream;
 use super::run::Run;
 use crate::lanes::Real;
+use crate::random::Stream;
 
 /// Entries of the memory of successful weights and rates.
 const MEMORY: usize = 6;

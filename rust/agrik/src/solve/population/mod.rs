@@ -13,7 +13,6 @@ mod fitness;
 mod genetic;
 mod lshade;
 mod progress;
-mod random;
 mod rows;
 mod run;
 mod search;
@@ -25,12 +24,12 @@ pub use evaluator::{Evaluator, Fitness, Gene, Population, Range};
 pub use fitness::Orientation;
 pub use genetic::Genetic;
 pub use progress::{End, Progress};
-pub use random::Stream;
 pub use search::Evolution;
 pub use settings::{Algorithm, Settings};
 
 use crate::chain::Compiled;
 use crate::lanes::Real;
+use crate::random::Stream;
 
 /// The best posture that an algorithm finds for a fitness, in `best`; returns its cost.
 ///

@@ -2,8 +2,8 @@
 
 use super::evaluator::{Evaluator, Fitness, Gene, Population};
 use super::progress::{End, Progress};
-use super::random::Stream;
 use crate::lanes::Real;
+use crate::random::Stream;
 
 /// A run that has its first, judged population; the last one stays in `population`.
 pub(super) struct Run<'r, 'e, R, F> {

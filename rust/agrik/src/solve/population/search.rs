@@ -3,14 +3,14 @@
 use super::evaluator::{Evaluator, Gene, Population};
 use super::fitness::{EulerGoal, TaskFitness};
 use super::progress::{End, Progress};
-use super::random::Stream;
 use super::settings::Settings;
+use crate::call::{Answers, AnswersMut, Outcome, Request, Solve, Status};
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, forward};
 use crate::lanes::{Kernel, Level, Real, dispatch};
-use crate::solve::answers::{Answers, AnswersMut, Outcome, Status};
+use crate::random::Stream;
 use crate::solve::plan::{INSIDE, Plan};
-use crate::solve::{Solve, step};
+use crate::solve::step;
 use crate::task::Goal;
 
 /// Best individuals that are polished side by side.
@@ -25,11 +25,10 @@ const PULL: f64 = 0.5;
 /// A run that has not improved for so many generations is at a local minimum.
 const STUCK: u32 = 30;
 
-/// A population search for the targets of a plan.
-///
-/// The plan's own step settings are not used; its seed and indices are.
+/// A population search for the targets of a request.
 #[derive(Debug, Clone)]
 pub struct Evolution<'a> {
+    /// The request, and how what is found is polished.
     plan: Plan<'a>,
     settings: Settings,
     orientation_weight: f64,
@@ -37,9 +36,10 @@ pub struct Evolution<'a> {
 
 impl<'a> Evolution<'a> {
     /// A checked search.
-    pub fn new(plan: Plan<'a>, settings: Settings) -> Result<Self> {
+    pub fn new(request: Request<'a>, settings: Settings) -> Result<Self> {
+        settings.check_for(&request.task())?;
+        let plan = Plan::new(request, POLISH)?;
         let setup = plan.setup();
-        settings.check_for(&setup.task)?;
         let orientation_weight =
             settings.orientation_weight.unwrap_or(settings.position_weight * setup.rotation_scale);
         Ok(Self { plan, settings, orientation_weight })
@@ -48,7 +48,7 @@ impl<'a> Evolution<'a> {
     /// The best cost of the first population of target `row` and after each generation of
     /// its first run; the curve that papers print.
     pub fn trace(&self, level: Level, row: usize) -> Result<Vec<f64>> {
-        if self.plan.goal(row).is_none() {
+        if self.plan.request.goal(row).is_none() {
             return Err(Error::argument("targets", "finite numbers", "NaN or infinity"));
         }
         let settings = Settings { polish: false, max_restarts: 0, ..self.settings };
@@ -71,18 +71,19 @@ impl<'a> Evolution<'a> {
         for lane in 0..R::WIDTH {
             lanes.set_lane(lane, goal);
         }
-        let start = plan.starts.row(row, plan.chain.dof());
+        let start = plan.request.start(row);
         let weight = self.settings.start_weight;
         let setup = plan.setup();
         TaskFitness {
-            task: setup.task,
+            task: setup.aim.task(),
             orientation: self.settings.orientation,
             position_weight: self.settings.position_weight,
             orientation_weight: self.orientation_weight,
-            tail: setup.tail,
-            plain_tail: setup.tail.rotation == [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            tail: *setup.aim.tail(),
+            plain_tail: setup.aim.tail().rotation
+                == [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             goal: lanes,
-            target: EulerGoal::of(tool_axes(goal, &setup.tail.rotation)),
+            target: EulerGoal::of(tool_axes(goal, &setup.aim.tail().rotation)),
             start: start.filter(|_| weight > 0.0).map(|q| (weight, q)),
         }
     }
@@ -169,7 +170,7 @@ struct Search<'e, R: Real> {
 
 impl<'e, R: Real> Search<'e, R> {
     fn new(evolution: &'e Evolution<'e>, level: Level) -> Self {
-        let chain = evolution.plan.chain;
+        let chain = evolution.plan.request.chain();
         let dof = chain.dof();
         Self {
             evolution,
@@ -196,10 +197,10 @@ impl<'e, R: Real> Search<'e, R> {
         let (plan, settings) = (&self.evolution.plan, &self.evolution.settings);
         self.forget();
         let mut outcome = Outcome::unanswered(Status::BadInput);
-        let Some(goal) = plan.goal(row) else { return Some(outcome) };
-        let start = plan.starts.row(row, plan.chain.dof());
+        let Some(goal) = plan.request.goal(row) else { return Some(outcome) };
+        let start = plan.request.start(row);
         if start.is_some() {
-            self.genes = Gene::of(plan.chain, start);
+            self.genes = Gene::of(plan.request.chain(), start);
         }
         let unreachable = plan.proven_unreachable(&goal);
         outcome.status = if unreachable { Status::OutOfReach } else { Status::NotFound };
@@ -243,7 +244,7 @@ impl<'e, R: Real> Search<'e, R> {
 
     /// A posture inside the limits stands in until a better one is found.
     fn forget(&mut self) {
-        let variables = self.evolution.plan.chain.variables();
+        let variables = self.evolution.plan.request.chain().variables();
         for (x, v) in self.found.q.iter_mut().zip(variables) {
             *x = v.near_zero();
         }
@@ -266,9 +267,9 @@ impl<'e, R: Real> Search<'e, R> {
         let evolution = self.evolution;
         let plan = &evolution.plan;
         let fitness = evolution.fitness::<R>(row, goal);
-        let mut evaluator = Evaluator::new(plan.chain.compiled(), fitness);
+        let mut evaluator = Evaluator::new(plan.request.chain().compiled(), fitness);
         let mut stream = Stream::new(plan.sampler.key(row, attempt));
-        let start = plan.starts.row(row, plan.chain.dof()).filter(|_| attempt == 0);
+        let start = plan.request.start(row).filter(|_| attempt == 0);
         let mut inside = [0.0; 32];
         let start = start.filter(|q| q.len() <= inside.len()).map(|q| {
             for ((x, from), gene) in inside.iter_mut().zip(q).zip(&self.genes) {
@@ -301,16 +302,16 @@ impl<'e, R: Real> Search<'e, R> {
     /// Hands the best individuals to the step solver, side by side in its lanes.
     fn polish(&mut self, row: usize, goal: &Goal<f64>, most: usize) {
         let plan = &self.evolution.plan;
-        let dof = plan.chain.dof();
+        let dof = plan.request.chain().dof();
         let count = most.min(self.order.len()).min(self.population.size);
         let mut starts = Vec::with_capacity(count * dof);
         for &individual in &self.order[..count] {
             self.population.read(individual, &mut self.q);
             starts.extend_from_slice(&self.q);
         }
-        let target = plan.copies(row, count);
+        let target = plan.request.copies(row, count);
         let mut copies = plan.with(&target, &starts, POLISH);
-        let start = plan.starts.row(row, dof);
+        let start = plan.request.start(row);
         if let Some(start) = start
             && self.evolution.settings.start_weight > 0.0
         {
@@ -333,10 +334,10 @@ impl<'e, R: Real> Search<'e, R> {
     /// nearest to the start values, of the others the one with the smallest error.
     fn consider(&mut self, goal: &Goal<f64>, start: Option<&[f64]>) {
         let plan = &self.evolution.plan;
-        forward(plan.chain.compiled(), &self.q, &mut self.workspace);
-        let (position2, orientation2) = plan.errors(&self.workspace, goal);
+        forward(plan.request.chain().compiled(), &self.q, &mut self.workspace);
+        let (position2, orientation2) = plan.request.errors(&self.workspace, goal);
         let setup = plan.setup();
-        let tolerance = setup.tolerance;
+        let tolerance = setup.aim.tolerance();
         let reached = position2 <= (tolerance.position * INSIDE).powi(2)
             && orientation2 <= (tolerance.orientation * INSIDE).powi(2);
         let squared = match start {

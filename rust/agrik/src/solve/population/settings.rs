@@ -5,11 +5,12 @@ use super::evaluator::{Evaluator, Fitness, Gene, Population};
 use super::fitness::Orientation;
 use super::genetic::Genetic;
 use super::progress::{End, Progress};
-use super::random::Stream;
 use super::run::Run;
 use super::{Boundary, Mutation, Redraw, lshade};
+use crate::Allowed;
 use crate::error::{Error, Result};
 use crate::lanes::Real;
+use crate::random::Stream;
 use crate::task::Task;
 
 /// Individuals that a search can hold.
@@ -52,6 +53,17 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// All population solvers by their names, with their defaults.
+    pub const KNOWN: [(&str, Self); 2] = [("de", Self::DIFFERENTIAL), ("ga", Self::GENETIC)];
+
+    /// The name by which users choose the algorithm.
+    pub fn name(&self) -> &'static str {
+        match self.algorithm {
+            Algorithm::Differential(_) => "de",
+            Algorithm::Genetic(_) => "ga",
+        }
+    }
+
     /// Memetic differential evolution, the default: a short run, then the default step
     /// solver from its best individuals, again and again.
     pub const DIFFERENTIAL: Self = Self {
@@ -116,31 +128,19 @@ impl Settings {
 
     /// Refuses numbers outside their ranges.
     pub fn check(&self) -> Result<()> {
-        let refuse = |name: &str, expected: &str, got: String| -> Result<()> {
-            Err(Error::argument(name, expected, got))
-        };
-        if !(4..=MOST).contains(&self.population) {
-            return refuse(
-                "population",
-                &format!("a whole number, 4 to {MOST}"),
-                self.population.to_string(),
-            );
-        }
-        if self.generations == 0 {
-            return refuse("generations", "at least 1", "0".into());
-        }
+        Allowed::whole(4, MOST).check("population", self.population)?;
+        Allowed::whole(1, u32::MAX).check("generations", self.generations)?;
+        let orientation_weight = self.orientation_weight.unwrap_or(0.0);
         for (name, value) in [
             ("position_weight", self.position_weight),
-            ("orientation_weight", self.orientation_weight.unwrap_or(0.0)),
+            ("orientation_weight", orientation_weight),
             ("start_weight", self.start_weight),
             ("target_cost", self.target_cost),
         ] {
-            if !(value.is_finite() && value >= 0.0) {
-                return refuse(name, "a finite number, not below 0", value.to_string());
-            }
+            Allowed::NOT_NEGATIVE.check(name, value)?;
         }
-        if self.position_weight == 0.0 && self.orientation_weight.unwrap_or(0.0) == 0.0 {
-            return refuse("position_weight", "one of the weights above 0", "0".into());
+        if self.position_weight == 0.0 && self.orientation_weight == Some(0.0) {
+            return Err(Error::argument("position_weight", "one of the weights above 0", 0));
         }
         match &self.algorithm {
             Algorithm::Differential(it) => it.check(),

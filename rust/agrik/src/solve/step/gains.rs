@@ -4,6 +4,7 @@
 use nalgebra::{DMatrix, Matrix3};
 
 use super::{Settings, Step};
+use crate::Allowed;
 use crate::chain::{Chain, JointKind, Tail};
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, columns, forward};
@@ -135,16 +136,9 @@ impl Pid {
     pub const FINE: Self = Self { integral: 0.0, ..Self::PUBLISHED };
 
     pub(super) fn check(&self) -> Result<()> {
-        for (name, value) in [
-            ("proportional", self.proportional),
-            ("integral", self.integral),
-            ("derivative", self.derivative),
-        ] {
-            if !value.is_finite() {
-                return Err(Error::argument(name, "a finite number", value));
-            }
-        }
-        Ok(())
+        Allowed::FINITE.check("proportional", self.proportional)?;
+        Allowed::FINITE.check("integral", self.integral)?;
+        Allowed::FINITE.check("derivative", self.derivative)
     }
 }
 

@@ -1,8 +1,8 @@
 //! Steps: from an error and a Jacobian to a change of the joint values.
 
-mod closed;
 mod damped;
 mod gains;
+mod normal_equations;
 mod pace;
 mod pseudo_inverse;
 pub(super) mod pulled;
@@ -10,12 +10,16 @@ mod transpose;
 
 use std::sync::Arc;
 
-use crate::error::{Error, Result};
+use crate::Allowed;
+use crate::error::Result;
 use crate::lanes::Real;
 
 pub(super) use gains::{Feedback, Sparse, middle};
 pub use gains::{GainUnits, Matrix, Pid, PidOrder, StateSpace, StaticGain, frozen_gain};
 pub use pace::Pace;
+
+/// Whole numbers of which there must be one.
+pub(super) const COUNT: Allowed = Allowed::whole(1, u32::MAX);
 
 /// How a step is computed.
 ///
@@ -102,6 +106,20 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// All step solvers by their names, with their defaults.
+    pub const KNOWN: [(&str, Self); 10] = [
+        ("lm", Self::LEVENBERG_MARQUARDT),
+        ("dls", Self::DAMPED),
+        ("pinv", Self::PSEUDO_INVERSE),
+        ("pinv-closed", Self::CLOSED_PSEUDO_INVERSE),
+        ("transpose", Self::TRANSPOSE),
+        ("ccd", Self::DESCENT),
+        ("ik-pid", Self::IK_PID),
+        ("state-space", Self::STATE_SPACE),
+        ("static-gain", Self::STATIC_GAIN),
+        ("broyden", Self::BROYDEN),
+    ];
+
     /// Levenberg-Marquardt, the default solver.
     pub const LEVENBERG_MARQUARDT: Self = Self {
         step: Step::LevenbergMarquardt { damping: 0.1 },
@@ -206,32 +224,24 @@ impl Settings {
 
     /// Refuses numbers outside their ranges.
     pub fn check(&self) -> Result<()> {
-        let (name, value, ok) = match &self.step {
-            Step::PseudoInverse { cutoff } => ("cutoff", *cutoff, *cutoff > 0.0 && *cutoff < 1.0),
-            Step::FixedTranspose { alpha } => ("alpha", *alpha, *alpha > 0.0 && alpha.is_finite()),
+        match &self.step {
+            Step::PseudoInverse { cutoff } => Allowed::below(1.0).check("cutoff", *cutoff)?,
+            Step::FixedTranspose { alpha } => Allowed::POSITIVE.check("alpha", *alpha)?,
             Step::Damped { damping } | Step::LevenbergMarquardt { damping } => {
-                ("damping", *damping, *damping > 0.0 && damping.is_finite())
+                Allowed::POSITIVE.check("damping", *damping)?;
             }
-            Step::IkPid(pid) => return pid.check().and(self.check_loop()),
-            Step::Broyden { patience, .. } => ("patience", f64::from(*patience), *patience > 0),
+            Step::IkPid(pid) => pid.check()?,
+            Step::Broyden { patience, .. } => COUNT.check("patience", *patience)?,
             // Matrices are checked against the chain when a plan is made.
-            _ => ("step", 0.0, true),
-        };
-        if !ok {
-            return Err(Error::argument(name, "a number in its range (see the solver)", value));
+            Step::Transpose
+            | Step::ClosedPseudoInverse
+            | Step::CyclicCoordinateDescent
+            | Step::StateSpace(_)
+            | Step::StaticGain(_) => {}
         }
-        self.check_loop()
-    }
-
-    fn check_loop(&self) -> Result<()> {
         self.pace.check()?;
-        if self.max_iterations == 0 {
-            return Err(Error::argument("max_iterations", "at least 1", 0));
-        }
-        if !(self.max_step > 0.0 && self.max_step.is_finite()) {
-            return Err(Error::argument("max_step", "a finite number above 0", self.max_step));
-        }
-        Ok(())
+        COUNT.check("max_iterations", self.max_iterations)?;
+        Allowed::POSITIVE.check("max_step", self.max_step)
     }
 }
 
@@ -293,7 +303,7 @@ impl Step {
         change: &mut [R],
     ) {
         match *self {
-            Self::ClosedPseudoInverse => closed::step(columns, error, change),
+            Self::ClosedPseudoInverse => normal_equations::step(columns, error, change),
             Self::Transpose => transpose::step(columns, error, change),
             Self::FixedTranspose { alpha } => transpose::fixed_step(columns, error, alpha, change),
             Self::PseudoInverse { cutoff } => pseudo_inverse::step(columns, error, cutoff, change),

@@ -1,7 +1,8 @@
 //! How much of the error a step is computed for: all of it, a share, or a length.
 
 use super::squared_norm;
-use crate::error::{Error, Result};
+use crate::Allowed;
+use crate::error::Result;
 use crate::lanes::Real;
 
 /// The part of the error that one step is to remove. Steps are linear in the error, so a
@@ -21,13 +22,9 @@ impl Pace {
     /// Refuses numbers outside their ranges.
     pub(super) fn check(self) -> Result<()> {
         match self {
-            Self::Share(share) if !(share > 0.0 && share <= 1.0) => {
-                Err(Error::argument("gain", "a number above 0, at most 1", share))
-            }
-            Self::Length(length) if !(length > 0.0 && length.is_finite()) => {
-                Err(Error::argument("step_length", "a finite number above 0", length))
-            }
-            _ => Ok(()),
+            Self::Full => Ok(()),
+            Self::Share(share) => Allowed::up_to(1.0).check("gain", share),
+            Self::Length(length) => Allowed::POSITIVE.check("step_length", length),
         }
     }
 

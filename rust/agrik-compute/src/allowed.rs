@@ -1,0 +1,117 @@
+//! The numbers that an argument may be, and the words for them.
+
+use std::fmt;
+
+use crate::error::{Error, Result};
+
+/// A range of finite numbers; written out as an error message wants it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Allowed {
+    lower: f64,
+    upper: f64,
+    /// The lower end itself is out of the range.
+    open_below: bool,
+    /// The upper end itself is out of the range.
+    open_above: bool,
+    whole: bool,
+}
+
+impl Allowed {
+    /// Any finite number.
+    pub const FINITE: Self = Self {
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+        open_below: false,
+        open_above: false,
+        whole: false,
+    };
+    /// Above 0.
+    pub const POSITIVE: Self = Self { lower: 0.0, open_below: true, ..Self::FINITE };
+    /// 0 or above.
+    pub const NOT_NEGATIVE: Self = Self { lower: 0.0, ..Self::FINITE };
+    /// From 0 to 1.
+    pub const SHARE: Self = Self { lower: 0.0, upper: 1.0, ..Self::FINITE };
+
+    /// Above 0 and at most `upper`.
+    pub const fn up_to(upper: f64) -> Self {
+        Self { upper, ..Self::POSITIVE }
+    }
+
+    /// Above 0 and below `upper`.
+    pub const fn below(upper: f64) -> Self {
+        Self { upper, open_above: true, ..Self::POSITIVE }
+    }
+
+    /// From `lower` to `upper`.
+    pub const fn between(lower: f64, upper: f64) -> Self {
+        Self { lower, upper, ..Self::FINITE }
+    }
+
+    /// Whole numbers from `lower` to `upper`.
+    pub const fn whole(lower: u32, upper: u32) -> Self {
+        Self { lower: lower as f64, upper: upper as f64, whole: true, ..Self::FINITE }
+    }
+
+    /// True for a number of the range.
+    pub fn contains(&self, x: f64) -> bool {
+        let above = if self.open_below { x > self.lower } else { x >= self.lower };
+        let below = if self.open_above { x < self.upper } else { x <= self.upper };
+        x.is_finite() && above && below && (!self.whole || x.fract() == 0.0)
+    }
+
+    /// Refuses an argument that is out of the range.
+    pub fn check(&self, argument: &str, value: impl Into<f64>) -> Result<()> {
+        let value = value.into();
+        if self.contains(value) {
+            return Ok(());
+        }
+        Err(Error::argument(argument, self.to_string(), value))
+    }
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { lower, upper, open_below, open_above, whole } = *self;
+        if whole {
+            return write!(f, "a whole number, {lower} to {upper}");
+        }
+        f.write_str("a finite number")?;
+        if lower.is_finite() {
+            write!(f, " {} {lower}", if open_below { ">" } else { ">=" })?;
+        }
+        if upper.is_finite() {
+            let and = if lower.is_finite() { " and" } else { "" };
+            write!(f, "{and} {} {upper}", if open_above { "<" } else { "<=" })?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ends_belong_where_they_are_said_to() {
+        let cases = [
+            (Allowed::POSITIVE, "a finite number > 0", [(0.0, false), (5e-324, true)]),
+            (Allowed::NOT_NEGATIVE, "a finite number >= 0", [(0.0, true), (-5e-324, false)]),
+            (Allowed::SHARE, "a finite number >= 0 and <= 1", [(1.0, true), (1.1, false)]),
+            (Allowed::up_to(2.0), "a finite number > 0 and <= 2", [(2.0, true), (0.0, false)]),
+            (Allowed::below(1.0), "a finite number > 0 and < 1", [(1.0, false), (0.5, true)]),
+            (Allowed::whole(1, 9), "a whole number, 1 to 9", [(9.0, true), (1.5, false)]),
+        ];
+        for (range, words, numbers) in cases {
+            assert_eq!(range.to_string(), words);
+            for (x, inside) in numbers {
+                assert_eq!(range.contains(x), inside, "{x} in {words}");
+                let error = range.check("x", x).err().map(|error| error.to_string());
+                let said = format!("x: expected {words}, got {x}");
+                assert_eq!(error, (!inside).then_some(said));
+            }
+            for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                assert!(!range.contains(x), "{x} in {words}");
+            }
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! The papers' own arms.
+
+pub mod strawberry;
+pub mod tomato;

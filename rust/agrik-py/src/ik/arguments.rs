@@ -1,0 +1,238 @@
+//! The arguments of a call, each read once.
+//!
+//! A call has two halves: [`Options`], everything that stays the same from call to call
+//! of a control loop, and the targets with their starts. The solver object of `control`
+//! keeps the first half and only takes the second.
+
+use agrik::call::{Aim, Request, Starts, Tolerance};
+use agrik::chain::{Chain, Tail};
+use agrik::closed_form::ArmAngle;
+use agrik::solvers::Solver;
+use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyFloat;
+
+use super::targets::{Targets, first_not_rigid, goals, not_rigid_error};
+use super::task;
+use crate::convert::{self, Floats, numbers, shape_text, transform};
+use crate::solvers::solver;
+use crate::{errors, threads};
+
+/// Arguments of a call as Python gave them.
+pub struct Arguments<'a, 'py> {
+    pub targets: &'a Bound<'py, PyAny>,
+    pub task: Option<&'a Bound<'py, PyAny>>,
+    pub solver: Option<&'a Bound<'py, PyAny>>,
+    pub q0: Option<&'a Bound<'py, PyAny>>,
+    pub seed: Option<&'a Bound<'py, PyAny>>,
+    pub tool: Option<&'a Bound<'py, PyAny>>,
+    pub threads: Option<&'a Bound<'py, PyAny>>,
+    pub position_tolerance: Option<&'a Bound<'py, PyAny>>,
+    pub orientation_tolerance: Option<&'a Bound<'py, PyAny>>,
+    pub first_index: Option<&'a Bound<'py, PyAny>>,
+}
+
+/// What the targets of a call share.
+pub struct Options {
+    pub wanted: task::Wanted,
+    pub solver: Solver,
+    pub aim: Aim,
+    pub seed: u64,
+    pub first_index: u64,
+    /// 0: the number in force.
+    pub threads: usize,
+}
+
+impl Options {
+    pub fn new(chain: &Chain, given: &Arguments<'_, '_>, are_poses: bool) -> PyResult<Self> {
+        let py = given.targets.py();
+        let wanted = task::wanted(given.task, are_poses)?;
+        let solver = solver::chosen(given.solver, chain.name())?;
+        let (tolerance, tail) = (tolerance(given)?, tail(chain, given.tool)?);
+        let aim = Aim::new(chain, wanted.task, tolerance, tail);
+        Ok(Self {
+            wanted,
+            solver,
+            aim: aim.map_err(|error| errors::from_core(py, error))?,
+            seed: convert::index("seed", given.seed)?,
+            first_index: convert::index("first_index", given.first_index)?,
+            threads: threads::number(given.threads, "threads")?,
+        })
+    }
+}
+
+/// Joint values that need no memory from the heap.
+const FEW: usize = 16;
+
+/// Start values as they came, in memory of our own.
+enum Given<'py> {
+    Nothing,
+    Few([f64; FEW], usize),
+    One(Floats<'py>),
+    Each(Floats<'py>),
+}
+
+impl<'py> Given<'py> {
+    fn new(
+        q0: Option<&Bound<'py, PyAny>>,
+        leading: &[usize],
+        dof: usize,
+        threads: usize,
+    ) -> PyResult<Self> {
+        static BROADCAST_TO: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+        let Some(q0) = q0 else {
+            return Ok(Self::Nothing);
+        };
+        let py = q0.py();
+        if let Some(few) = few(q0, dof) {
+            return Ok(Self::Few(few, dof));
+        }
+        let array = numbers("q0", q0)?;
+        if array.shape() == [dof] {
+            return Ok(Self::One(Floats::new("q0", array.as_any())?));
+        }
+        let mut shape = leading.to_vec();
+        shape.push(dof);
+        let refuse = || {
+            let expected = format!("({dof},), or one that broadcasts to {}", shape_text(&shape));
+            convert::wrong_shape(py, "q0", array.shape(), &expected)
+        };
+        // Broadcasting would also stretch a last dimension of 1.
+        if array.shape().last() != Some(&dof) {
+            return Err(refuse());
+        }
+        let broadcast_to = BROADCAST_TO.import(py, "numpy", "broadcast_to")?;
+        let full = broadcast_to.call1((&array, &shape)).map_err(|_| refuse())?;
+        Ok(Self::Each(Floats::many("q0", &full, threads)?))
+    }
+
+    fn starts(&self) -> PyResult<Starts<'_>> {
+        Ok(match self {
+            Self::Nothing => Starts::Free,
+            Self::Few(q, dof) => Starts::One(&q[..*dof]),
+            Self::One(q) => Starts::One(q.values()?),
+            Self::Each(q) => Starts::Each(q.values()?),
+        })
+    }
+}
+
+/// Start values in an array of `dof` doubles, read without a detour over NumPy's functions.
+fn few(q0: &Bound<'_, PyAny>, dof: usize) -> Option<[f64; FEW]> {
+    let array = q0.cast::<PyArray1<f64>>().ok()?;
+    if array.len() != dof || !array.is_aligned() {
+        return None;
+    }
+    let mut start = [0.0; FEW];
+    for (i, x) in start.get_mut(..dof)?.iter_mut().enumerate() {
+        *x = array.get_owned(i)?;
+    }
+    Some(start)
+}
+
+/// A call's arguments in memory of their own, checked, from which its request is made.
+pub struct Call<'py> {
+    pub targets: Targets<'py>,
+    pub options: Options,
+    q0: Given<'py>,
+}
+
+impl<'py> Call<'py> {
+    pub fn new(py: Python<'py>, chain: &Chain, given: &Arguments<'_, 'py>) -> PyResult<Self> {
+        let threads = threads::number(given.threads, "threads")?;
+        let targets = Targets::new(given.targets, threads)?;
+        let are_poses = targets.are_poses();
+        let options = Options::new(chain, given, are_poses)?;
+        let leading = targets.leading_shape();
+        let q0 = Given::new(given.q0, leading, chain.dof(), threads)?;
+        if are_poses {
+            let poses: &[[f64; 16]] = targets.values()?.as_chunks().0;
+            // Reading a long batch takes a while, during which others may run.
+            let found = if poses.len() > 1 {
+                py.detach(|| first_not_rigid(poses, threads))
+            } else {
+                first_not_rigid(poses, 1)
+            };
+            if let Some(row) = found {
+                return Err(not_rigid_error(py, leading, row, &poses[row]));
+            }
+        }
+        Ok(Self { targets, options, q0 })
+    }
+
+    /// The request; `points` holds what it needs besides the arguments.
+    pub fn request<'a>(
+        &'a self,
+        py: Python<'_>,
+        chain: &'a Chain,
+        points: &'a mut Vec<[f64; 3]>,
+    ) -> PyResult<Request<'a>> {
+        let Options { wanted, aim, seed, first_index, .. } = &self.options;
+        let are_poses = self.targets.are_poses();
+        let goals = goals(self.targets.values()?, are_poses, wanted.direction, points);
+        Request::new(chain, *aim, goals, self.q0.starts()?)
+            .map(|request| request.with_seed(*seed, *first_index))
+            .map_err(|error| errors::from_core(py, error))
+    }
+}
+
+/// The tool of a call, if it has one of its own.
+pub fn tail(chain: &Chain, tool: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Tail>> {
+    match tool {
+        None => Ok(None),
+        Some(tool) => Ok(Some(chain.compiled().tail_with(&transform("tool", tool)?))),
+    }
+}
+
+fn tolerance(given: &Arguments<'_, '_>) -> PyResult<Tolerance> {
+    let mut tolerance = Tolerance::default();
+    if let Some(value) = given.position_tolerance {
+        tolerance.position = convert::real("position_tolerance", value)?;
+    }
+    if let Some(value) = given.orientation_tolerance {
+        tolerance.orientation = convert::real("orientation_tolerance", value)?;
+    }
+    Ok(tolerance)
+}
+
+/// Arm angles as they came: none, one for all targets, or one a target.
+pub enum ArmAngles<'py> {
+    Free,
+    One(f64),
+    Each(Floats<'py>),
+}
+
+impl<'py> ArmAngles<'py> {
+    pub fn new(angle: Option<&Bound<'py, PyAny>>, leading: &[usize]) -> PyResult<Self> {
+        let Some(angle) = angle else { return Ok(Self::Free) };
+        if let Ok(angle) = angle.cast_exact::<PyFloat>() {
+            return Ok(Self::One(angle.value()));
+        }
+        Ok(Self::Each(spread("arm_angle", angle, leading)?))
+    }
+
+    pub fn values(&self) -> PyResult<ArmAngle<'_>> {
+        Ok(match self {
+            Self::Free => ArmAngle::Free,
+            Self::One(angle) => ArmAngle::One(*angle),
+            Self::Each(angles) => ArmAngle::Each(angles.values()?),
+        })
+    }
+}
+
+/// Numbers of an argument that broadcasts to the targets' leading shape.
+fn spread<'py>(
+    argument: &str,
+    value: &Bound<'py, PyAny>,
+    leading: &[usize],
+) -> PyResult<Floats<'py>> {
+    static BROADCAST_TO: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let py = value.py();
+    let array = numbers(argument, value)?;
+    let broadcast_to = BROADCAST_TO.import(py, "numpy", "broadcast_to")?;
+    let full = broadcast_to.call1((&array, leading.to_vec())).map_err(|_| {
+        let expected = format!("{}, or one that broadcasts to it", shape_text(leading));
+        convert::wrong_shape(py, argument, array.shape(), &expected)
+    })?;
+    Floats::new(argument, &full)
+}

@@ -1,0 +1,109 @@
+//! Calls for batches of any size, a single target included.
+
+use agrik::call::solve as solve_call;
+use agrik::chain::Chain;
+use agrik::closed_form::{self, Choice, ClosedForm, Query};
+use agrik::lanes::Level;
+use agrik::solve::population::Evolution;
+use agrik::solvers::Solver;
+use numpy::{PyArrayDyn, PyArrayMethods};
+use pyo3::prelude::*;
+
+use super::arguments::{Arguments, ArmAngles, Call};
+use super::branches::Branches;
+use super::signals::Signals;
+use crate::convert::{self, shape_text};
+use crate::errors;
+use crate::result::IkResult;
+
+/// Targets from which on all branches are written to an array of NumPy's.
+const MANY: usize = 1024;
+
+/// Solves the targets of a call.
+pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResult<IkResult> {
+    let call = Call::new(py, chain, given)?;
+    let mut points = Vec::new();
+    let request = call.request(py, chain, &mut points)?;
+    let (solver, threads) = (&call.options.solver, call.options.threads);
+    let ready = solver.call(request).map_err(|error| errors::from_core(py, error))?;
+    let mut signals = Signals::new();
+    // A single target takes less time than it takes to let the interpreter go and get it back.
+    let answers = if request.len() <= 1 && !matches!(solver, Solver::Population(_)) {
+        solve_call(&ready, 1, &mut || signals.go_on_attached(py))
+    } else {
+        py.detach(|| solve_call(&ready, threads, &mut || signals.go_on_detached()))
+    };
+    match answers {
+        Ok(answers) => {
+            Ok(IkResult::new(call.targets.leading_shape().to_vec(), chain.dof(), answers))
+        }
+        Err(error) => Err(signals.exception(py, error)),
+    }
+}
+
+/// All branches of the targets of a call.
+pub fn solve_all<'py>(
+    py: Python<'py>,
+    chain: &Chain,
+    given: &Arguments<'_, 'py>,
+    arm_angle: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Branches> {
+    let call = Call::new(py, chain, given)?;
+    let leading = call.targets.leading_shape();
+    if !call.targets.are_poses() {
+        let expected = "shape (..., 4, 4): closed forms take poses";
+        let received = format!("shape {}", shape_text(&[leading, &[3]].concat()));
+        return Err(errors::argument(py, "targets", &received, expected));
+    }
+    let angles = ArmAngles::new(arm_angle, leading)?;
+    let mut points = Vec::new();
+    let request = call.request(py, chain, &mut points)?;
+    let query = Query::new(request, angles.values()?, Choice::default())
+        .map_err(|error| errors::from_core(py, error))?;
+    if call.targets.is_single() {
+        return Ok(Branches::of_one(chain.dof(), closed_form::alone(&query)));
+    }
+    let threads = call.options.threads;
+    let mut signals = Signals::new();
+    let all = if request.len() < MANY {
+        py.detach(|| closed_form::all(&query, threads, &mut || signals.go_on_detached()))
+            .map(|all| (all, None))
+    } else {
+        // NumPy asks for large pages, which makes filling fresh memory several times cheaper.
+        let branches = ClosedForm::of(chain).map_or(0, ClosedForm::branches);
+        let shape = [leading, &[branches, chain.dof()]].concat();
+        let array = PyArrayDyn::<f64>::zeros(py, shape, false);
+        let mut open = array.try_readwrite().map_err(convert::internal)?;
+        let q = open.as_slice_mut().map_err(convert::internal)?;
+        let all = py
+            .detach(|| closed_form::all_into(&query, q, threads, &mut || signals.go_on_detached()));
+        drop(open);
+        all.map(|all| (all, Some(array.unbind())))
+    };
+    match all {
+        Ok((all, q)) => Ok(Branches::new(leading.to_vec(), chain.dof(), all, q)),
+        Err(error) => Err(signals.exception(py, error)),
+    }
+}
+
+/// The best cost of the first run of a population solver, generation by generation, for
+/// the first target of a call.
+pub fn cost_history(
+    py: Python<'_>,
+    chain: &Chain,
+    given: &Arguments<'_, '_>,
+) -> PyResult<Vec<f64>> {
+    let call = Call::new(py, chain, given)?;
+    let mut points = Vec::new();
+    let request = call.request(py, chain, &mut points)?;
+    let Solver::Population(settings) = call.options.solver else {
+        return Err(errors::argument(py, "solver", "another solver", "a population solver"));
+    };
+    if request.len() != 1 {
+        let received = format!("{} targets", request.len());
+        return Err(errors::argument(py, "targets", &received, "one target"));
+    }
+    Evolution::new(request, settings)
+        .and_then(|evolution| py.detach(|| evolution.trace(Level::in_use(), 0)))
+        .map_err(|error| errors::from_core(py, error))
+}

@@ -1,0 +1,10 @@
+//! Inverse kinematics: arguments in, interpreter released, record of answers out.
+
+pub mod arguments;
+pub mod batch;
+pub mod branches;
+pub mod control;
+pub mod follow;
+pub mod signals;
+mod targets;
+mod task;

@@ -1,0 +1,5 @@
+//! Chains: built from Python's descriptions, asked for frames and Jacobians.
+
+mod build;
+pub mod chain;
+mod kinematics;

@@ -1,0 +1,154 @@
+//! Population solvers: from an object of `agrik_fast.solvers` to the core's settings, and
+//! back for the defaults.
+
+use agrik::solve::population::{
+    Adaptation, Algorithm, Boundary, Differential, Genetic, Mutation, Orientation, Redraw, Settings,
+};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::convert::{real, whole};
+use crate::errors;
+
+/// A choice that Python makes by a word.
+type Words<T, const N: usize> = [(&'static str, T); N];
+
+const MUTATIONS: Words<Mutation, 3> = [
+    ("best1", Mutation::Best1),
+    ("rand1", Mutation::Rand1),
+    ("current-to-best1", Mutation::CurrentToBest1),
+];
+const ADAPTATIONS: Words<Adaptation, 3> =
+    [("none", Adaptation::None), ("jde", Adaptation::Jde), ("lshade", Adaptation::LShade)];
+const REDRAWS: Words<Redraw, 3> = [
+    ("gene", Redraw::Gene),
+    ("individual", Redraw::Individual),
+    ("generation", Redraw::Generation),
+];
+const BOUNDARIES: Words<Boundary, 4> = [
+    ("median", Boundary::Median),
+    ("clamp", Boundary::Clamp),
+    ("reflect", Boundary::Reflect),
+    ("redraw", Boundary::Redraw),
+];
+const ORIENTATIONS: Words<Orientation, 2> =
+    [("rotation-vector", Orientation::RotationVector), ("euler-zyz", Orientation::EulerZyz)];
+
+/// The fields of a solver object.
+struct Fields<'a, 'py>(&'a Bound<'py, PyAny>);
+
+impl Fields<'_, '_> {
+    fn word<T: Copy, const N: usize>(&self, name: &str, known: &Words<T, N>) -> PyResult<T> {
+        let value = self.0.getattr(name)?;
+        let word: String = value
+            .extract()
+            .map_err(|_| errors::value(name, &value, &format!("one of {}", listed(known))))?;
+        match known.iter().find(|(known, _)| *known == word) {
+            Some((_, meaning)) => Ok(*meaning),
+            None => {
+                let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+                Err(errors::unknown_name(value.py(), name, &word, &names))
+            }
+        }
+    }
+
+    fn number(&self, name: &str) -> PyResult<f64> {
+        real(name, &self.0.getattr(name)?)
+    }
+
+    fn count(&self, name: &str) -> PyResult<u32> {
+        Ok(whole(name, &self.0.getattr(name)?, 0, u32::MAX.into())? as u32)
+    }
+}
+
+fn listed<T, const N: usize>(known: &Words<T, N>) -> String {
+    known.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
+}
+
+/// Settings from an object with the fields of the solver `name`; a bare name means the
+/// defaults.
+pub fn settings(solver: &Bound<'_, PyAny>, defaults: Settings) -> PyResult<Settings> {
+    let from = Fields(solver);
+    let algorithm = match defaults.algorithm {
+        Algorithm::Differential(_) => {
+            let crossover = solver.getattr("crossover")?;
+            let crossover: (f64, f64) = crossover
+                .extract()
+                .map_err(|_| errors::value("crossover", &crossover, "two numbers"))?;
+            Algorithm::Differential(Differential {
+                mutation: from.word("mutation", &MUTATIONS)?,
+                adaptation: from.word("adaptation", &ADAPTATIONS)?,
+                weight: from.number("weight")?,
+                crossover,
+                redraw: from.word("redraw", &REDRAWS)?,
+                boundary: from.word("boundary", &BOUNDARIES)?,
+            })
+        }
+        Algorithm::Genetic(_) => Algorithm::Genetic(Genetic {
+            tournament: from.count("tournament")?,
+            crossover_rate: from.number("crossover_rate")?,
+            crossover_index: from.number("crossover_index")?,
+            mutation_rate: from.number("mutation_rate")?,
+            mutation_width: from.number("mutation_width")?,
+            elites: from.count("elites")?,
+            boundary: from.word("boundary", &BOUNDARIES)?,
+        }),
+    };
+    let orientation_weight = solver.getattr("orientation_weight")?;
+    Ok(Settings {
+        algorithm,
+        population: from.count("population")?,
+        generations: from.count("generations")?,
+        max_restarts: from.count("max_restarts")?,
+        orientation: from.word("orientation", &ORIENTATIONS)?,
+        position_weight: from.number("position_weight")?,
+        orientation_weight: if orientation_weight.is_none() {
+            None
+        } else {
+            Some(real("orientation_weight", &orientation_weight)?)
+        },
+        start_weight: from.number("start_weight")?,
+        target_cost: from.number("target_cost")?,
+        stagnation: from.count("stagnation")?,
+        polish: solver.getattr("polish")?.is_truthy()?,
+    })
+}
+
+fn word_of<T: Copy + PartialEq, const N: usize>(known: &Words<T, N>, value: T) -> &'static str {
+    known.iter().find(|(_, meaning)| *meaning == value).map_or("", |(name, _)| name)
+}
+
+/// The fields of a population solver with their defaults.
+pub fn fields<'py>(py: Python<'py>, settings: &Settings) -> PyResult<Bound<'py, PyDict>> {
+    let fields = PyDict::new(py);
+    match &settings.algorithm {
+        Algorithm::Differential(it) => {
+            fields.set_item("mutation", word_of(&MUTATIONS, it.mutation))?;
+            fields.set_item("adaptation", word_of(&ADAPTATIONS, it.adaptation))?;
+            fields.set_item("weight", it.weight)?;
+            fields.set_item("crossover", it.crossover)?;
+            fields.set_item("redraw", word_of(&REDRAWS, it.redraw))?;
+            fields.set_item("boundary", word_of(&BOUNDARIES, it.boundary))?;
+        }
+        Algorithm::Genetic(it) => {
+            fields.set_item("tournament", it.tournament)?;
+            fields.set_item("crossover_rate", it.crossover_rate)?;
+            fields.set_item("crossover_index", it.crossover_index)?;
+            fields.set_item("mutation_rate", it.mutation_rate)?;
+            fields.set_item("mutation_width", it.mutation_width)?;
+            fields.set_item("elites", it.elites)?;
+            fields.set_item("boundary", word_of(&BOUNDARIES, it.boundary))?;
+        }
+    }
+    fields.set_item("population", settings.population)?;
+    fields.set_item("generations", settings.generations)?;
+    fields.set_item("max_restarts", settings.max_restarts)?;
+    fields.set_item("orientation", word_of(&ORIENTATIONS, settings.orientation))?;
+    fields.set_item("position_weight", settings.position_weight)?;
+    fields.set_item("orientation_weight", settings.orientation_weight)?;
+    fields.set_item("start_weight", settings.start_weight)?;
+    fields.set_item("target_cost", settings.target_cost)?;
+    fields.set_item("stagnation", settings.stagnation)?;
+    fields.set_item("polish", settings.polish)?;
+    Ok(fields)
+}

@@ -1,0 +1,230 @@
+//! The class `Tuner`: a search over a solver's gains, advanced from Python.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use agrik::chain;
+use agrik::solve::{StartRule, Step};
+use agrik::tune::{Cost, Evolution, Family, Problem, Search, Shape, Swarm};
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::solver;
+use crate::convert::{Floats, array, real, whole};
+use crate::robot::chain::Chain;
+use crate::{errors, threads};
+
+const SHAPES: [(&str, Shape); 3] =
+    [("full", Shape::Full), ("diagonal", Shape::Diagonal), ("input", Shape::Input)];
+const METHODS: [&str; 2] = ["pso", "cma"];
+
+/// A search for gains that reach most training goals in the fewest steps.
+#[pyclass(frozen, module = "agrik_fast._native")]
+pub struct Tuner {
+    chain: Arc<chain::Chain>,
+    family: Family,
+    /// The goals, those that cost the start most first.
+    goals: Vec<[f64; 3]>,
+    start: StartRule,
+    max_iterations: u32,
+    tolerance: f64,
+    threads: usize,
+    search: Mutex<Search>,
+}
+
+impl Tuner {
+    fn problem(&self) -> Problem<'_> {
+        self.problem_of(&self.goals)
+    }
+
+    fn problem_of<'a>(&'a self, goals: &'a [[f64; 3]]) -> Problem<'a> {
+        Problem {
+            chain: &self.chain,
+            family: &self.family,
+            goals,
+            start: self.start,
+            max_iterations: self.max_iterations,
+            tolerance: self.tolerance,
+            cost: Cost::default(),
+        }
+    }
+
+    fn search(&self) -> MutexGuard<'_, Search> {
+        // A generation is taken over as a whole, so a panic in one leaves the last.
+        self.search.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Joint values that move the tool point somewhere within the limits.
+fn active(chain: &chain::Chain) -> Vec<bool> {
+    let dof = chain.dof();
+    let mut jacobian = vec![0.0; 6 * dof];
+    let mut moves = vec![false; dof];
+    for share in [0.21, 0.5, 0.77] {
+        let value = |v: &chain::Variable| {
+            let value = v.lower + share * (v.upper - v.lower);
+            if value.is_finite() { value } else { 6.0 * share - 3.0 }
+        };
+        let q: Vec<f64> = chain.variables().iter().map(value).collect();
+        agrik::kinematics::tool_jacobians(chain, &q, &mut jacobian);
+        for (i, moves) in moves.iter_mut().enumerate() {
+            *moves |= (0..3).any(|k| jacobian[k * dof + i].abs() > 1e-9);
+        }
+    }
+    moves
+}
+
+#[pymethods]
+impl Tuner {
+    /// Prepare a search.
+    #[new]
+    #[pyo3(signature = (
+        chain, solver, goals, shape, method, population, sigma, seed, start, max_iterations,
+        tolerance, threads=None
+    ))]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        py: Python<'_>,
+        chain: &Chain,
+        solver: &Bound<'_, PyAny>,
+        goals: &Bound<'_, PyAny>,
+        shape: &str,
+        method: &str,
+        population: &Bound<'_, PyAny>,
+        sigma: &Bound<'_, PyAny>,
+        seed: &Bound<'_, PyAny>,
+        start: &Bound<'_, PyAny>,
+        max_iterations: &Bound<'_, PyAny>,
+        tolerance: &Bound<'_, PyAny>,
+        threads: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let chain = chain.core();
+        let settings = solver::step_settings(solver, chain.name())?;
+        let Some((_, shape)) = SHAPES.into_iter().find(|(name, _)| *name == shape) else {
+            return Err(errors::unknown_name(py, "shape", shape, &SHAPES.map(|(name, _)| name)));
+        };
+        let family = Family::new(settings.step, shape, active(&chain))
+            .map_err(|error| errors::from_core(py, error))?;
+        let points = Floats::new("goals", goals)?;
+        let shape_wanted = [points.shape().first().copied().unwrap_or(0), 3];
+        if points.shape() != shape_wanted || shape_wanted[0] == 0 {
+            return Err(crate::convert::wrong_shape(py, "goals", points.shape(), "(n, 3), n > 0"));
+        }
+        let members = whole("population", population, 4, 100_000)? as usize;
+        let sigma = real("sigma", sigma)?;
+        if !(sigma.is_finite() && sigma > 0.0) {
+            return Err(errors::argument(py, "sigma", &sigma.to_string(), "a finite number > 0"));
+        }
+        let seed = whole("seed", seed, 0, u64::MAX)?;
+        let first = family.start();
+        let search = match method {
+            "pso" => Search::Swarm(Swarm::new(&first, members, sigma, seed)),
+            "cma" => Search::Evolution(Evolution::new(&first, members, sigma, seed)),
+            other => return Err(errors::unknown_name(py, "method", other, &METHODS)),
+        };
+        let goals: &[[f64; 3]] = points.values()?.as_chunks().0;
+        let mut tuner = Self {
+            chain,
+            family,
+            goals: Vec::new(),
+            start: solver::start_rule(start)?,
+            max_iterations: whole("max_iterations", max_iterations, 1, u32::MAX.into())? as u32,
+            tolerance: real("tolerance", tolerance)?,
+            threads: threads::number(threads, "threads")?,
+            search: Mutex::new(search),
+        };
+        let ordered = py
+            .detach(|| tuner.problem_of(goals).hardest_first(&first, tuner.threads, &mut || true));
+        tuner.goals = ordered.map_err(|error| errors::from_core(py, error))?;
+        Ok(tuner)
+    }
+
+    /// Go on by one generation.
+    fn advance(&self, py: Python<'_>) -> PyResult<()> {
+        py.detach(|| {
+            let problem = self.problem();
+            let threads = self.threads;
+            self.search()
+                .advance(&mut |x, bound| problem.cost_below(x, bound, threads, &mut || true))
+        })
+        .map_err(|error| errors::from_core(py, error))
+    }
+
+    /// Number of parameters.
+    #[getter]
+    fn dimension(&self) -> usize {
+        self.family.start().len()
+    }
+
+    /// Vectors judged so far.
+    #[getter]
+    fn evaluations(&self) -> u64 {
+        self.search().evaluations()
+    }
+
+    /// Cost of the best vector so far; infinite before the first generation.
+    #[getter]
+    fn cost(&self) -> f64 {
+        self.search().best().map_or(f64::INFINITY, |(_, cost)| cost)
+    }
+
+    /// The best vector so far; the start before the first generation.
+    #[getter]
+    fn best<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let best = self.search().best().map(|(x, _)| x.to_vec());
+        let best = best.unwrap_or_else(|| self.family.start());
+        array(py, &[best.len()], best)
+    }
+
+    /// Cost, goals reached and mean steps over these of a vector on the training goals.
+    fn score(&self, py: Python<'_>, vector: &Bound<'_, PyAny>) -> PyResult<(f64, usize, f64)> {
+        let x = Floats::of_shape("vector", vector, &[self.dimension()])?;
+        let x = x.values()?;
+        let score = py
+            .detach(|| self.problem().score(x, self.threads, &mut || true))
+            .map_err(|error| errors::from_core(py, error))?;
+        Ok((score.cost, score.solved, score.steps))
+    }
+
+    /// The gains of a vector, in the units of the solver that the search started from.
+    fn gains<'py>(
+        &self,
+        py: Python<'py>,
+        vector: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let x = Floats::of_shape("vector", vector, &[self.dimension()])?;
+        let gains = PyDict::new(py);
+        let put = |name: &str, m: &agrik::solve::Matrix| {
+            gains.set_item(name, array(py, &[m.rows(), m.columns], m.values.clone())?)
+        };
+        match self.family.step(x.values()?) {
+            Step::IkPid(pid) => {
+                gains.set_item("kp", pid.proportional)?;
+                gains.set_item("ki", pid.integral)?;
+                gains.set_item("kd", pid.derivative)?;
+            }
+            Step::StateSpace(Some(set)) => {
+                put("A", &set.a)?;
+                put("B", &set.b)?;
+                put("C", &set.c)?;
+            }
+            Step::StaticGain(Some(set)) => put("K", &set.gain)?,
+            _ => {}
+        }
+        Ok(gains)
+    }
+
+    /// Everything that changes while the search runs, as numbers.
+    fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let state = self.search().state();
+        array(py, &[state.len()], state)
+    }
+
+    /// Take up the search where `state` left it.
+    fn restore(&self, state: &Bound<'_, PyAny>) -> PyResult<()> {
+        let floats = Floats::new("state", state)?;
+        self.search()
+            .restore(floats.values()?)
+            .map_err(|error| errors::from_core(state.py(), error))
+    }
+}

@@ -1,0 +1,17 @@
+//! What every solver is given, and what it gives back: a [`Request`] (chain, aim, targets,
+//! starts) in, one record of [`Answers`] out. A solver is whatever implements [`Solve`];
+//! [`solve`] spreads its targets over threads.
+
+mod aim;
+mod answers;
+mod batch;
+mod request;
+mod targets;
+
+pub use aim::{Aim, Tolerance};
+pub(crate) use answers::Outcome;
+pub use answers::{Answers, AnswersMut, Status};
+pub use batch::{Solve, solve, solve_at, solve_into};
+pub use request::Request;
+pub(crate) use targets::Copies;
+pub use targets::{Goals, Starts};

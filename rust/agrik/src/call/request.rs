@@ -1,0 +1,198 @@
+//! A request: targets of a chain, what counts as reaching them, and where to start from.
+
+use super::aim::{Aim, Tolerance};
+use super::targets::{Copies, Goals, Starts};
+use crate::chain::{Chain, Tail};
+use crate::error::{Error, Result};
+use crate::kinematics::Workspace;
+use crate::task::{
+    AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task, axis_goal, pose_goal,
+    pose_parts, unit,
+};
+
+/// What every solver is given.
+#[derive(Debug, Clone, Copy)]
+pub struct Request<'a> {
+    chain: &'a Chain,
+    aim: Aim,
+    goals: Goals<'a>,
+    starts: Starts<'a>,
+    seed: u64,
+    first_index: u64,
+}
+
+impl<'a> Request<'a> {
+    /// A checked request; its random streams are those of seed 0 and first index 0.
+    pub fn new(chain: &'a Chain, aim: Aim, goals: Goals<'a>, starts: Starts<'a>) -> Result<Self> {
+        let dof = chain.dof();
+        let (given, wanted) = match starts {
+            Starts::Free => (0, 0),
+            Starts::One(q) => (q.len(), dof),
+            Starts::Each(q) => (q.len(), dof * goals.len()),
+        };
+        if given != wanted {
+            return Err(Error::argument("q0", format!("{wanted} numbers"), given));
+        }
+        match (aim.task(), goals) {
+            (Task::Position, _) | (_, Goals::Poses(_)) => {}
+            (Task::Axis { .. }, Goals::Positions { direction: Some(_), .. }) => {}
+            (Task::Axis { .. }, _) => {
+                return Err(Error::argument(
+                    "direction",
+                    "a direction for the tool axis, since the targets are points",
+                    "none",
+                ));
+            }
+            _ => return Err(Error::argument("targets", "poses (4x4 matrices)", "points")),
+        }
+        Ok(Self { chain, aim, goals, starts, seed: 0, first_index: 0 })
+    }
+
+    /// The same request with other random streams: `seed` and the index of a target (its
+    /// row plus `first_index`) alone decide them.
+    pub fn with_seed(self, seed: u64, first_index: u64) -> Self {
+        Self { seed, first_index, ..self }
+    }
+
+    /// The same request for other targets, with a start for each: a solver's own subtask.
+    pub(crate) fn with<'b>(&self, copies: &'b Copies, starts: &'b [f64]) -> Request<'b>
+    where
+        'a: 'b,
+    {
+        Request { goals: copies.goals(), starts: Starts::Each(starts), ..*self }
+    }
+
+    /// How many targets.
+    pub fn len(&self) -> usize {
+        self.goals.len()
+    }
+    /// No target at all.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// The chain.
+    pub fn chain(&self) -> &'a Chain {
+        self.chain
+    }
+    /// What counts as reached, how near, and with which tool.
+    pub fn aim(&self) -> &Aim {
+        &self.aim
+    }
+    /// What counts as reached.
+    pub fn task(&self) -> Task {
+        self.aim.task()
+    }
+    /// How near is near enough.
+    pub fn tolerance(&self) -> Tolerance {
+        self.aim.tolerance()
+    }
+    /// The tool in the last joint's frame.
+    pub fn tail(&self) -> &Tail {
+        self.aim.tail()
+    }
+    /// The targets.
+    pub fn goals(&self) -> Goals<'a> {
+        self.goals
+    }
+    /// Where the first attempt of each target starts.
+    pub fn starts(&self) -> Starts<'a> {
+        self.starts
+    }
+    /// What alone decides the random streams besides a target's index.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+    /// Index of the first target.
+    pub fn first_index(&self) -> u64 {
+        self.first_index
+    }
+
+    /// Where target `row` is to start from, if the caller says so.
+    #[inline(always)]
+    pub(crate) fn start(&self, row: usize) -> Option<&'a [f64]> {
+        self.starts.row(row, self.chain.dof())
+    }
+
+    /// The goal of target `row`, or `None` where it or its start is not finite.
+    #[inline(always)]
+    pub(crate) fn goal(&self, row: usize) -> Option<Goal<f64>> {
+        if let Some(q) = self.start(row)
+            && !all_finite(q)
+        {
+            return None;
+        }
+        match (self.goals, self.aim.task()) {
+            (Goals::Positions { points, direction: None }, _) => {
+                let position = points[row];
+                all_finite(&position).then_some(Goal { position, axes: [[0.0; 3]; 3] })
+            }
+            (Goals::Positions { points, direction: Some(direction) }, _) => {
+                let position = points[row];
+                all_finite(&position).then(|| axis_goal(position, direction))
+            }
+            (Goals::Poses(poses), Task::Axis { tool_axis }) => {
+                if !all_finite(&poses[row]) {
+                    return None;
+                }
+                let (position, rotation) = pose_parts(&poses[row]);
+                let mut direction = [0.0; 3];
+                for (column, a) in rotation.iter().zip(tool_axis) {
+                    for (d, c) in direction.iter_mut().zip(column) {
+                        *d += c * a;
+                    }
+                }
+                unit(direction).map(|d| axis_goal(position, d))
+            }
+            (Goals::Poses(poses), _) => {
+                if !all_finite(&poses[row]) {
+                    return None;
+                }
+                let (position, rotation) = pose_parts(&poses[row]);
+                Some(pose_goal(position, rotation, self.aim.tail()))
+            }
+        }
+    }
+
+    /// Target `row`, `count` times.
+    pub(crate) fn copies(&self, row: usize, count: usize) -> Copies {
+        match self.goals {
+            Goals::Positions { points, direction } => {
+                Copies::Points(vec![points[row]; count], direction)
+            }
+            Goals::Poses(poses) => Copies::Poses(vec![poses[row]; count]),
+        }
+    }
+
+    /// Squared distance (m^2) and angle (rad^2) between a posture and a goal.
+    pub(crate) fn errors(&self, at: &Workspace<f64>, goal: &Goal<f64>) -> (f64, f64) {
+        let tail = self.aim.tail();
+        let tool = at.tool_point(tail.translation);
+        let scale = 1.0;
+        match self.aim.task() {
+            Task::Position => {
+                let e = PositionRows.error(at, tool, goal);
+                (e.position2, e.orientation2)
+            }
+            Task::Pose => {
+                let e = PoseRows { scale }.error(at, tool, goal);
+                (e.position2, e.orientation2)
+            }
+            Task::Axis { tool_axis } => {
+                let axis = tail.direction(tool_axis);
+                let e = AxisRows { scale, axis }.error(at, tool, goal);
+                (e.position2, e.orientation2)
+            }
+            Task::Masked { weights, frame } => {
+                let rows = MaskedRows { scale, weights, frame, tool: tail.rotation };
+                let e = rows.error(at, tool, goal);
+                (e.position2, e.orientation2)
+            }
+        }
+    }
+}
+
+/// Without leaving early, which would cost more than it saves.
+#[inline(always)]
+fn all_finite(numbers: &[f64]) -> bool {
+    numbers.iter().fold(true, |so_far, x| so_far & x.is_finite())
+}

@@ -1,0 +1,9 @@
+//! What can be asked of a closed form: all branches, or the best one, of many targets or one.
+
+pub mod all_branches;
+pub mod arm_angle;
+mod best_branch;
+pub mod branches;
+mod last_resort;
+pub mod one_pose;
+pub mod query;

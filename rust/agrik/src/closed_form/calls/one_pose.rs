@@ -1,0 +1,244 @@
+//! One target at a time: its branches stand side by side in the lanes, so that a single
+//! call takes hardly longer than one branch would. A branch gets, bit for bit, the values
+//! that it gets in a batch, where a lane holds a target.
+
+use super::last_resort;
+use super::query::{Query, Target};
+use crate::call::Status;
+use crate::closed_form::branch::choice::Choice;
+use crate::closed_form::branch::group::Job;
+use crate::closed_form::geometry::candidate::{JOINTS, MOST_BRANCHES};
+use crate::lanes::{Kernel, Lanes, Level, Real, dispatch};
+use crate::task::Goal;
+
+/// The branches of one target.
+#[derive(Debug, Clone)]
+pub struct Alone {
+    joints: usize,
+    branches: usize,
+    q: [f64; MOST_BRANCHES * JOINTS],
+    /// One bit a branch.
+    pub(crate) reached: Lanes,
+    inside: Lanes,
+    singular: [u8; MOST_BRANCHES],
+    /// The same of branches that are not reached.
+    flags: [u8; MOST_BRANCHES],
+    status: Status,
+}
+
+/// What is left between each branch and the target, and what the branch costs.
+#[derive(Debug, Clone)]
+pub(crate) struct Left {
+    /// Squared distance, m^2.
+    pub position2: [f64; MOST_BRANCHES],
+    /// Squared chord between the wanted and the present axes.
+    pub chord2: [f64; MOST_BRANCHES],
+    /// Cost by a choice.
+    pub cost: [f64; MOST_BRANCHES],
+}
+
+impl Left {
+    /// Nothing known.
+    pub fn new() -> Self {
+        let far = [f64::INFINITY; MOST_BRANCHES];
+        Self { position2: far, chord2: far, cost: far }
+    }
+}
+
+impl Alone {
+    /// No branch yet.
+    pub(crate) fn new(job: &Job<'_>) -> Self {
+        Self {
+            joints: job.variables().len(),
+            branches: job.form.branches(),
+            q: [0.0; MOST_BRANCHES * JOINTS],
+            reached: 0,
+            inside: 0,
+            singular: [0; MOST_BRANCHES],
+            flags: [0; MOST_BRANCHES],
+            status: Status::BadInput,
+        }
+    }
+
+    /// How many branches, existing or not.
+    pub fn branches(&self) -> usize {
+        self.branches
+    }
+
+    /// Joint values, a row of `dof` for each branch, rad; as in [`super::Branches`].
+    #[inline(always)]
+    pub fn q(&self) -> &[f64] {
+        &self.q[..self.branches * self.joints]
+    }
+
+    /// Joint values of a branch, rad.
+    #[inline(always)]
+    pub(crate) fn branch(&self, b: usize) -> &[f64] {
+        &self.q[b * self.joints..(b + 1) * self.joints]
+    }
+
+    /// Whether forward kinematics confirms a branch, limits aside.
+    #[inline(always)]
+    pub fn reached(&self, b: usize) -> bool {
+        self.reached >> b & 1 != 0
+    }
+
+    /// Whether a branch is reached and inside the limits.
+    #[inline(always)]
+    pub fn valid(&self, b: usize) -> bool {
+        (self.reached & self.inside) >> b & 1 != 0
+    }
+
+    /// Singularities of a branch, as in [`super::Branches::singular`].
+    #[inline(always)]
+    pub fn singular(&self, b: usize) -> u8 {
+        self.singular[b]
+    }
+
+    /// What became of the target.
+    pub fn status(&self) -> Status {
+        self.status
+    }
+
+    /// The valid branch of least cost, the first of several.
+    #[inline(always)]
+    pub(crate) fn best(&self, left: &Left) -> Option<usize> {
+        let mut best = (f64::INFINITY, None);
+        for (b, cost) in left.cost.iter().enumerate() {
+            if self.valid(b) && *cost < best.0 {
+                best = (*cost, Some(b));
+            }
+        }
+        best.1
+    }
+
+    /// Fills the record for a goal, and `left` if it is wanted, with costs by a choice.
+    #[inline(always)]
+    pub(crate) fn solve<R: Real>(
+        &mut self,
+        job: &Job<'_>,
+        target: &Target<R>,
+        mut left: Option<(&mut Left, Choice)>,
+    ) {
+        let variables = job.variables();
+        let goal = everywhere::<R>(&target.goal);
+        let (near, (sine, cosine)) = (&target.near, target.angle.sin_cos());
+        let angle = (R::splat(sine), R::splat(cosine));
+        (self.reached, self.inside) = (0, 0);
+        // Both families have two ways to turn the wrist at the end of each arm.
+        let pairs = job.form.branches() / 2;
+        let mut first = 0;
+        while first < pairs {
+            let mut pair = job.form.side_by_side(&goal, job.tool(), angle, &near.preferred, first);
+            let (inside, missed) = job.settle(&mut pair, &goal, &near.centre);
+            let lanes = R::WIDTH.min(pairs - first);
+            for (way, candidate) in pair.iter().enumerate() {
+                let (position2, chord2) = missed[way];
+                let reached = job.exact.is_near(position2, chord2) & !candidate.merged;
+                let rows = &mut self.q[(2 * first + way) * self.joints..];
+                for (x, variable) in candidate.q.iter().zip(variables) {
+                    for lane in 0..lanes {
+                        rows[2 * lane * self.joints + variable] = x.lane(lane);
+                    }
+                }
+                for lane in 0..lanes {
+                    let b = 2 * (first + lane) + way;
+                    let hit = reached >> lane & 1;
+                    self.reached |= hit << b;
+                    self.inside |= (inside[way] >> lane & 1) << b;
+                    self.flags[b] = candidate.flags(lane);
+                    self.singular[b] = if hit != 0 { self.flags[b] } else { 0 };
+                }
+                if let Some((left, choice)) = &mut left {
+                    let cost = choice.cost(&candidate.q, &near.centre, job.limits());
+                    for lane in 0..lanes {
+                        let b = 2 * (first + lane) + way;
+                        left.position2[b] = position2.lane(lane);
+                        left.chord2[b] = chord2.lane(lane);
+                        left.cost[b] = cost.lane(lane);
+                    }
+                }
+            }
+            first += R::WIDTH;
+        }
+        self.status = if self.reached & self.inside != 0 {
+            Status::Converged
+        } else {
+            self.none(job, &target.goal, left.map(|(left, _)| left))
+        };
+    }
+
+    /// Looks once more at a target without a valid branch.
+    #[inline(never)]
+    fn none(&mut self, job: &Job<'_>, goal: &Goal<f64>, left: Option<&mut Left>) -> Status {
+        let mut branches = [[0.0; JOINTS]; MOST_BRANCHES];
+        for (b, branch) in branches.iter_mut().enumerate() {
+            for (x, variable) in branch.iter_mut().zip(job.variables()) {
+                *x = self.branch(b)[*variable];
+            }
+        }
+        let Some((b, posture)) = last_resort::found(job, goal, &branches) else {
+            return last_resort::status(job, goal, false);
+        };
+        for (x, variable) in posture.q.iter().zip(job.variables()) {
+            self.q[b * self.joints + variable] = *x;
+        }
+        self.reached |= 1 << b;
+        self.inside |= 1 << b;
+        self.singular[b] = self.flags[b];
+        if let Some(left) = left {
+            (left.position2[b], left.chord2[b]) = (posture.position2, posture.chord2);
+            // The only one: any cost will do.
+            left.cost[b] = 0.0;
+        }
+        Status::Converged
+    }
+
+    /// The record of a target that is no pose.
+    pub(crate) fn stand_in(&mut self, job: &Job<'_>) {
+        for one in self.q.chunks_exact_mut(self.joints).take(self.branches) {
+            job.stand_in(one);
+        }
+        (self.reached, self.inside, self.singular) = (0, 0, [0; MOST_BRANCHES]);
+        self.status = Status::BadInput;
+    }
+}
+
+/// One goal in every lane.
+#[inline(always)]
+fn everywhere<R: Real>(goal: &Goal<f64>) -> Goal<R> {
+    let mut out = Goal::<R>::zero();
+    for i in 0..3 {
+        out.position[i] = R::splat(goal.position[i]);
+        for k in 0..3 {
+            out.axes[k][i] = R::splat(goal.axes[k][i]);
+        }
+    }
+    out
+}
+
+/// All branches of the first target of a call.
+pub fn alone(query: &Query<'_>) -> Box<Alone> {
+    let job = query.job();
+    // Half a kilobyte that is handed on a few times.
+    let mut out = Box::new(Alone::new(&job));
+    dispatch(Level::in_use(), Branching { job: &job, query, out: &mut out });
+    out
+}
+
+struct Branching<'a> {
+    job: &'a Job<'a>,
+    query: &'a Query<'a>,
+    out: &'a mut Alone,
+}
+
+impl Kernel for Branching<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        match self.query.alone::<R>(self.job, 0) {
+            Some(target) => self.out.solve(self.job, &target, None),
+            None => self.out.stand_in(self.job),
+        }
+    }
+}

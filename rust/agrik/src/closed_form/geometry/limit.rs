@@ -1,0 +1,35 @@
+//! Limits of a joint.
+
+use crate::chain::Variable;
+
+/// A joint value this far past a limit is rounding, and is put on the limit, rad: the root of
+/// the rounding of a cosine near 1, several times. Where that is too far for the tolerances,
+/// the check by forward kinematics, which comes after, says so.
+pub const SLACK: f64 = 1e-7;
+
+/// A joint's limits and the value that it stays near.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limit {
+    pub lower: f64,
+    pub upper: f64,
+    /// Middle of the limits; 0 where there are none.
+    pub middle: f64,
+    /// Half their distance; infinite where there are none.
+    pub half: f64,
+}
+
+impl Limit {
+    /// The limits of a joint.
+    pub fn of(v: &Variable) -> Self {
+        let bounded = v.lower.is_finite() && v.upper.is_finite();
+        let middle = if bounded { 0.5 * (v.lower + v.upper) } else { 0.0 };
+        let half = if bounded { 0.5 * (v.upper - v.lower) } else { f64::INFINITY };
+        Self { lower: v.lower, upper: v.upper, middle, half }
+    }
+
+    /// Shares of half the range in a radian; none where there are no limits.
+    #[inline(always)]
+    pub fn shares(&self) -> f64 {
+        if self.half == f64::INFINITY { 0.0 } else { 1.0 / self.half.max(1e-9) }
+    }
+}

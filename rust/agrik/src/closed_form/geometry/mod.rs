@@ -1,0 +1,10 @@
+//! Axes, angles and limits: what families and branches are made of.
+
+pub mod axes;
+pub mod candidate;
+pub mod enclosure;
+pub mod limit;
+pub mod pieces;
+pub mod quartic;
+pub mod range;
+pub mod turn;
