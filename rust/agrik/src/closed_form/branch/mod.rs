@@ -3,6 +3,6 @@
 pub mod check;
 pub mod choice;
 pub mod group;
-mod open_angles;
+pub mod open_angles;
 pub mod polish;
 pub mod unreachable;

@@ -21,6 +21,8 @@ use crate::task::Goal;
 
 /// Whole turns to either side that are tried.
 const TURNS: i32 = 3;
+/// Below this sine axes are nearly in line.
+const NEARLY: f64 = 1e-4;
 /// Most values of a free first joint that are tried.
 const MOST: usize = 16;
 
@@ -68,6 +70,32 @@ pub(super) fn inside(job: &Job<'_>, goal: &Goal<f64>, open: &Open<'_>) -> Option
             passed(job, goal, q)
         }
     }
+}
+
+/// Joint values in which joints whose axes are in line, or nearly, share their turns so that
+/// they are inside the limits, if there are such joints and they can.
+pub(crate) fn split(
+    job: &Job<'_>,
+    q: &[f64; JOINTS],
+    centre: &[f64; JOINTS],
+) -> Option<[f64; JOINTS]> {
+    let firsts: &[usize] = match job.form {
+        ClosedForm::SphericalWrist(_) => &[3],
+        // A stretched elbow has the third and the fifth in line.
+        ClosedForm::Srs(_) => &[0, 2, 4],
+    };
+    let mut out = *q;
+    let mut any = false;
+    for &first in firsts {
+        let links = &job.geometry.links;
+        let meeting = Meeting { one: links[first], two: links[first + 1] };
+        let second = q[first + 1] + job.geometry.offset(first + 1);
+        if second.sin().abs() < NEARLY {
+            out = shared(job, &meeting, first, out, centre);
+            any = true;
+        }
+    }
+    any.then_some(out)
 }
 
 /// The joint values, if they are inside the limits and within the tolerances.

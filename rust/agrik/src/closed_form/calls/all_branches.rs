@@ -124,7 +124,8 @@ fn none<R: Real>(
 ) -> Status {
     let (job, goal) = (&group.job, group.goal.of_lane(lane));
     let branches = group.candidates.map(|candidate| candidate.q.map(|x| x.lane(lane)));
-    let Some((b, posture)) = last_resort::found(job, &goal, &branches) else {
+    let centre = group.near.centre.map(|x| x.lane(lane));
+    let Some((b, posture)) = last_resort::found(job, &goal, &centre, &branches) else {
         return last_resort::status(job, &goal, false);
     };
     let (joints, count) = (job.variables().len(), job.form.branches());

@@ -211,9 +211,10 @@ fn none<R: Real>(
 ) {
     let (job, goal) = (&group.job, group.goal.of_lane(lane));
     let branches = group.candidates.map(|candidate| candidate.q.map(|x| x.lane(lane)));
+    let centre = group.near.centre.map(|x| x.lane(lane));
     let posture = match free {
         Some(arm) => last_resort::found_at_any_angle(arm, &mut group.one_lane(lane)),
-        None => last_resort::found(job, &goal, &branches).map(|found| found.1),
+        None => last_resort::found(job, &goal, &centre, &branches).map(|found| found.1),
     };
     if let Some(Polished { q, position2, chord2, .. }) = posture {
         let answer = rows.finish(i, reached(position2, chord2));

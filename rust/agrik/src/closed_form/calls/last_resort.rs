@@ -12,6 +12,7 @@ use crate::call::Status;
 use crate::closed_form::arm_angle::intervals::corners;
 use crate::closed_form::branch::check::least_outside;
 use crate::closed_form::branch::group::{Group, Job};
+use crate::closed_form::branch::open_angles::split;
 use crate::closed_form::branch::polish::{Polished, held};
 use crate::closed_form::branch::unreachable::is_out_of_reach;
 use crate::closed_form::families::Srs;
@@ -42,6 +43,7 @@ fn farthest(job: &Job<'_>) -> f64 {
 pub(super) fn found(
     job: &Job<'_>,
     goal: &Goal<f64>,
+    centre: &[f64; JOINTS],
     branches: &[[f64; JOINTS]],
 ) -> Option<(usize, Polished)> {
     let (far, limits) = (farthest(job), job.limits());
@@ -51,6 +53,10 @@ pub(super) fn found(
         let off = least_outside(limits, &mut q);
         if off < far {
             near.push((off, b, q));
+        } else if job.steps
+            && let Some(q) = split(job, &q, centre)
+        {
+            near.push((far, b, q));
         }
     }
     near.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -74,7 +80,7 @@ pub(super) fn found_at_any_angle(arm: &Srs, single: &mut Group<'_, f64>) -> Opti
         single.wrap();
         branches.extend(single.candidates.iter().map(|candidate| candidate.q));
     }
-    found(&single.job, &single.goal, &branches).map(|(_, posture)| posture)
+    found(&single.job, &single.goal, &single.near.centre, &branches).map(|(_, posture)| posture)
 }
 
 /// What is said of a target without an answer.

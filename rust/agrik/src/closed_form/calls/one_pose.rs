@@ -164,20 +164,27 @@ impl Alone {
         self.status = if self.reached & self.inside != 0 {
             Status::Converged
         } else {
-            self.none(job, &target.goal, left.map(|(left, _)| left))
+            let centre = near.centre.map(|x| x.lane(0));
+            self.none(job, &target.goal, &centre, left.map(|(left, _)| left))
         };
     }
 
     /// Looks once more at a target without a valid branch.
     #[inline(never)]
-    fn none(&mut self, job: &Job<'_>, goal: &Goal<f64>, left: Option<&mut Left>) -> Status {
+    fn none(
+        &mut self,
+        job: &Job<'_>,
+        goal: &Goal<f64>,
+        centre: &[f64; JOINTS],
+        left: Option<&mut Left>,
+    ) -> Status {
         let mut branches = [[0.0; JOINTS]; MOST_BRANCHES];
         for (b, branch) in branches.iter_mut().enumerate() {
             for (x, variable) in branch.iter_mut().zip(job.variables()) {
                 *x = self.branch(b)[*variable];
             }
         }
-        let Some((b, posture)) = last_resort::found(job, goal, &branches) else {
+        let Some((b, posture)) = last_resort::found(job, goal, centre, &branches) else {
             return last_resort::status(job, goal, false);
         };
         for (x, variable) in posture.q.iter().zip(job.variables()) {
