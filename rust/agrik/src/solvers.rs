@@ -58,6 +58,15 @@ impl Solver {
         }
     }
 
+    /// Refuses settings outside their ranges.
+    pub fn check(&self) -> Result<()> {
+        match self {
+            Self::Step(settings) => settings.check(),
+            Self::Population(settings) => settings.check(),
+            Self::ClosedForm { .. } | Self::Auto => Ok(()),
+        }
+    }
+
     /// A request to this solver, checked and ready.
     pub fn call<'a>(&self, request: Request<'a>) -> Result<Call<'a>> {
         match self {

@@ -2,12 +2,12 @@
 //!
 //! A call has two halves: [`Options`], everything that stays the same from call to call
 //! of a control loop, and the targets with their starts. The solver object of `control`
-//! keeps the first half and only takes the second.
+//! keeps the first half and only takes the second. Who has a choice of solvers reads that
+//! argument (`solvers::solver::chosen`).
 
 use agrik::call::{Aim, Request, Starts, Tolerance};
 use agrik::chain::{Chain, Tail};
 use agrik::closed_form::ArmAngle;
-use agrik::solvers::Solver;
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -16,7 +16,6 @@ use pyo3::types::PyFloat;
 use super::targets::{Targets, first_not_rigid, goals, not_rigid_error};
 use super::task;
 use crate::convert::{self, Floats, numbers, shape_text, transform};
-use crate::solvers::solver;
 use crate::{errors, threads};
 
 /// Arguments of a call as Python gave them.
@@ -35,8 +34,8 @@ pub struct Arguments<'a, 'py> {
 
 /// What the targets of a call share.
 pub struct Options {
-    pub wanted: task::Wanted,
-    pub solver: Solver,
+    /// Direction of the tool axis that all targets of an axis task share, if they do.
+    pub direction: Option<[f64; 3]>,
     pub aim: Aim,
     pub seed: u64,
     pub first_index: u64,
@@ -45,15 +44,14 @@ pub struct Options {
 }
 
 impl Options {
+    #[inline(always)]
     pub fn new(chain: &Chain, given: &Arguments<'_, '_>, are_poses: bool) -> PyResult<Self> {
         let py = given.targets.py();
         let wanted = task::wanted(given.task, are_poses)?;
-        let solver = solver::chosen(given.solver, chain.name())?;
         let (tolerance, tail) = (tolerance(given)?, tail(chain, given.tool)?);
         let aim = Aim::new(chain, wanted.task, tolerance, tail);
         Ok(Self {
-            wanted,
-            solver,
+            direction: wanted.direction,
             aim: aim.map_err(|error| errors::from_core(py, error))?,
             seed: convert::index("seed", given.seed)?,
             first_index: convert::index("first_index", given.first_index)?,
@@ -138,6 +136,8 @@ pub struct Call<'py> {
 }
 
 impl<'py> Call<'py> {
+    // In place of its caller: it is long, and would be moved about.
+    #[inline(always)]
     pub fn new(py: Python<'py>, chain: &Chain, given: &Arguments<'_, 'py>) -> PyResult<Self> {
         let threads = threads::number(given.threads, "threads")?;
         let targets = Targets::new(given.targets, threads)?;
@@ -167,9 +167,9 @@ impl<'py> Call<'py> {
         chain: &'a Chain,
         points: &'a mut Vec<[f64; 3]>,
     ) -> PyResult<Request<'a>> {
-        let Options { wanted, aim, seed, first_index, .. } = &self.options;
+        let Options { direction, aim, seed, first_index, .. } = &self.options;
         let are_poses = self.targets.are_poses();
-        let goals = goals(self.targets.values()?, are_poses, wanted.direction, points);
+        let goals = goals(self.targets.values()?, are_poses, *direction, points);
         Request::new(chain, *aim, goals, self.q0.starts()?)
             .map(|request| request.with_seed(*seed, *first_index))
             .map_err(|error| errors::from_core(py, error))

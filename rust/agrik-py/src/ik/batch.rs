@@ -15,6 +15,7 @@ use super::signals::Signals;
 use crate::convert::{self, shape_text};
 use crate::errors;
 use crate::result::IkResult;
+use crate::solvers::solver::chosen;
 
 /// Targets from which on all branches are written to an array of NumPy's.
 const MANY: usize = 1024;
@@ -24,7 +25,8 @@ pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResu
     let call = Call::new(py, chain, given)?;
     let mut points = Vec::new();
     let request = call.request(py, chain, &mut points)?;
-    let (solver, threads) = (&call.options.solver, call.options.threads);
+    let solver = chosen(given.solver, chain.name())?;
+    let threads = call.options.threads;
     let ready = solver.call(request).map_err(|error| errors::from_core(py, error))?;
     let mut signals = Signals::new();
     // A single target takes less time than it takes to let the interpreter go and get it back.
@@ -96,7 +98,7 @@ pub fn cost_history(
     let call = Call::new(py, chain, given)?;
     let mut points = Vec::new();
     let request = call.request(py, chain, &mut points)?;
-    let Solver::Population(settings) = call.options.solver else {
+    let Solver::Population(settings) = chosen(given.solver, chain.name())? else {
         return Err(errors::argument(py, "solver", "another solver", "a population solver"));
     };
     if request.len() != 1 {

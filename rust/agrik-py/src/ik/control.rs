@@ -7,7 +7,6 @@ use agrik::call::{Answers, Goals, Starts, Status, solve_into};
 use agrik::chain::Chain;
 use agrik::lanes::Level;
 use agrik::solve::Setup;
-use agrik::solvers::Solver;
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -16,6 +15,7 @@ use super::signals::Signals;
 use super::targets::{Targets, first_not_rigid, not_rigid_error};
 use crate::convert::{Floats, internal, numbers, wrong_shape};
 use crate::errors;
+use crate::solvers::solver::step_settings;
 
 /// What a call writes: the last answer and the start that it was given.
 struct Buffers {
@@ -38,11 +38,14 @@ pub struct TargetSolver {
 
 impl TargetSolver {
     /// A solver of a chain with the options of a call.
-    pub fn new(py: Python<'_>, chain: Arc<Chain>, options: Options) -> PyResult<Self> {
-        let Options { wanted, solver, aim, seed, first_index, .. } = options;
-        let Solver::Step(settings) = solver else {
-            return Err(errors::argument(py, "solver", "another solver", "a step solver"));
-        };
+    pub fn new(
+        py: Python<'_>,
+        chain: Arc<Chain>,
+        solver: Option<&Bound<'_, PyAny>>,
+        options: Options,
+    ) -> PyResult<Self> {
+        let Options { direction, aim, seed, first_index, .. } = options;
+        let settings = step_settings(solver, chain.name())?;
         let dof = chain.dof();
         let setup = Setup::new(&chain, aim, settings);
         Ok(Self {
@@ -50,7 +53,7 @@ impl TargetSolver {
             q: PyArray1::zeros(py, dof, false).unbind(),
             buffers: Mutex::new(Buffers { answers: Answers::new(1, dof), start: vec![0.0; dof] }),
             chain,
-            direction: wanted.direction,
+            direction,
             seed,
             first_index,
         })

@@ -252,7 +252,7 @@ impl Chain {
             first_index: None,
         };
         let options = Options::new(&self.0, &given, true)?;
-        TargetSolver::new(py, Arc::clone(&self.0), options)
+        TargetSolver::new(py, Arc::clone(&self.0), solver, options)
     }
 
     /// Follow a sequence of targets; see `agrik_fast.Robot.follow`.

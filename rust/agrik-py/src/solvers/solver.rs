@@ -57,10 +57,11 @@ pub fn chosen(solver: Option<&Bound<'_, PyAny>>, robot: &str) -> PyResult<Solver
 }
 
 /// The settings of a solver that must be a step solver.
-pub fn step_settings(solver: &Bound<'_, PyAny>, robot: &str) -> PyResult<Settings> {
-    match chosen(Some(solver), robot)? {
-        Solver::Step(settings) => Ok(settings),
-        _ => Err(errors::value("solver", solver, "a step solver")),
+pub fn step_settings(solver: Option<&Bound<'_, PyAny>>, robot: &str) -> PyResult<Settings> {
+    match (chosen(solver, robot)?, solver) {
+        (Solver::Step(settings), _) => Ok(settings),
+        (_, Some(solver)) => Err(errors::value("solver", solver, "a step solver")),
+        (_, None) => Ok(Settings::default()),
     }
 }
 
@@ -75,7 +76,7 @@ fn closed_form(solver: &Bound<'_, PyAny>) -> PyResult<Solver> {
 
 /// A step solver as textbooks have it.
 fn plain(solver: &Bound<'_, PyAny>, robot: &str) -> PyResult<Solver> {
-    let inner = step_settings(&solver.getattr("solver")?, robot)?;
+    let inner = step_settings(Some(&solver.getattr("solver")?), robot)?;
     Ok(Solver::Step(Settings {
         max_iterations: count(solver, "max_iterations")?,
         max_restarts: 0,
@@ -197,6 +198,13 @@ pub fn default_settings(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         all.set_item(name, population::fields(py, settings)?)?;
     }
     Ok(all)
+}
+
+/// Refuse a solver whose settings are out of their ranges.
+#[pyfunction]
+pub fn check_solver(solver: &Bound<'_, PyAny>) -> PyResult<()> {
+    let py = solver.py();
+    chosen(Some(solver), "")?.check().map_err(|error| errors::from_core(py, error))
 }
 
 /// Return the names of all solvers, step solvers first.

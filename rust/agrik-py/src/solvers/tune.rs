@@ -99,7 +99,7 @@ impl Tuner {
         threads: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let chain = chain.core();
-        let settings = solver::step_settings(solver, chain.name())?;
+        let settings = solver::step_settings(Some(solver), chain.name())?;
         let Some((_, shape)) = SHAPES.into_iter().find(|(name, _)| *name == shape) else {
             return Err(errors::unknown_name(py, "shape", shape, &SHAPES.map(|(name, _)| name)));
         };

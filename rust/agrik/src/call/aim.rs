@@ -38,6 +38,7 @@ pub struct Aim {
 
 impl Aim {
     /// A checked aim; `tail` is a tool in place of the chain's own.
+    #[inline]
     pub fn new(
         chain: &Chain,
         task: Task,

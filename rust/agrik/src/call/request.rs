@@ -23,6 +23,7 @@ pub struct Request<'a> {
 
 impl<'a> Request<'a> {
     /// A checked request; its random streams are those of seed 0 and first index 0.
+    #[inline]
     pub fn new(chain: &'a Chain, aim: Aim, goals: Goals<'a>, starts: Starts<'a>) -> Result<Self> {
         let dof = chain.dof();
         let (given, wanted) = match starts {

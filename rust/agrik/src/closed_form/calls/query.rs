@@ -37,6 +37,7 @@ pub struct Query<'a> {
 
 impl<'a> Query<'a> {
     /// A checked call.
+    #[inline]
     pub fn new(request: Request<'a>, angle: ArmAngle<'a>, choice: Choice) -> Result<Self> {
         if !request.task().fixes_pose() {
             return Err(Error::argument("task", "the full pose, for closed forms", "another task"));

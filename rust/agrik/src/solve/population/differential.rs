@@ -3,7 +3,7 @@
 use super::boundary::Boundary;
 use super::evaluator::{Fitness, Gene, Population, Range};
 use super::progress::End;
-use super::rows::Rows;
+use super::rows::{Rows, WHOLE};
 use super::run::Run;
 use crate::Allowed;
 use crate::error::Result;
@@ -68,9 +68,6 @@ pub struct Differential {
 /// jDE: chance of a new weight or rate, and the range of new weights.
 const JDE_CHANCE: f64 = 0.1;
 const JDE_WEIGHT: (f64, f64) = (0.1, 0.9);
-
-/// Above this number, 2^52, the lowest bits of a double are a whole number.
-pub(super) const WHOLE: f64 = 4_503_599_627_370_496.0;
 
 /// Buffers of the making of trials.
 struct Scratch<R> {

@@ -189,6 +189,13 @@ impl Settings {
         }
     }
 
+    /// The progress of a run, before its first generation.
+    pub fn progress(&self) -> Progress {
+        // A run with a budget of evaluations ends by that.
+        let last = if self.budget().is_some() { u32::MAX } else { self.generations };
+        Progress::new(last, self.target_cost, self.stagnation)
+    }
+
     /// Evaluations of a run that counts them, not generations: L-SHADE's.
     pub(super) fn budget(&self) -> Option<u64> {
         match &self.algorithm {
