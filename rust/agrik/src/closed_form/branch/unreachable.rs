@@ -146,7 +146,8 @@ fn no_srs(arm: &Srs, job: &Job<'_>, goal: &Goal<f64>, slack: Slack, all_angles: 
         let here = elbow.fourth + arm.offset(3);
         let apart = fourth.middle - here;
         let off = fourth.off + (apart - TAU * (apart / TAU).round()).abs();
-        let tilt = line_off + Arc::toward(length, 0.0, arm.radius() * off.min(2.0)).off;
+        let least = (length - slack.center).max(0.0);
+        let tilt = line_off + Arc::toward(least, 0.0, arm.radius() * off.min(2.0)).off;
         bends.push(Bend { elbow, off, tilt });
     }
     if bends.is_empty() {
