@@ -302,9 +302,10 @@ class InverseKinematics:
         -------
         Branches
             Joint values (..., 8, n), which of them are valid, and a status per target:
-            ``CONVERGED`` with at least one valid branch; ``OUT_OF_REACH`` if no solution
-            exists within the limits; ``NOT_FOUND`` if an S-R-S arm has one only at other
-            arm angles or not at all.
+            ``CONVERGED`` with at least one valid branch; ``OUT_OF_REACH`` if it is
+            proven that none exists within limits and tolerances; ``NOT_FOUND`` if there is
+            neither a branch nor a proof, or an S-R-S arm has a branch only at other arm
+            angles.
 
         Raises
         ------

@@ -6,6 +6,7 @@
 //! of Python. Lengths are in metres, angles in radians.
 
 pub mod arms;
+pub mod auto;
 pub mod call;
 pub mod chain;
 pub mod closed_form;
