@@ -8,11 +8,11 @@ import pytest
 
 import agrik_fast as ik
 from agrik_fast import ArgumentError, Status, UnknownNameError
-from agrik_fast.closed_form import Place, StrawberryArm
+from agrik_fast.arms import Place, StrawberryArm
 from agrik_fast.papers import strawberry as paper
 
 REFERENCE = json.loads(
-    (Path(__file__).parent / "data" / "strawberry_reference.json").read_text("utf-8")
+    (Path(__file__).parents[1] / "data" / "strawberry_reference.json").read_text("utf-8")
 )
 ARM = StrawberryArm()
 TARGETS = paper.targets()

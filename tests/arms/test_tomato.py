@@ -10,7 +10,8 @@ import pytest
 
 import agrik_fast as ik
 from agrik_fast import ArgumentError, Status, UnknownNameError
-from agrik_fast.closed_form import (
+from agrik_fast.arms import (
+    BRANCHES,
     Load,
     Outcome,
     Servo,
@@ -18,11 +19,10 @@ from agrik_fast.closed_form import (
     TransposeStepWarning,
     holding_torques,
 )
-from agrik_fast.closed_form.tomato import BRANCHES
 from agrik_fast.papers import tomato as paper
 
 REFERENCE = json.loads(
-    (Path(__file__).parent / "data" / "tomato_reference.json").read_text("utf-8")
+    (Path(__file__).parents[1] / "data" / "tomato_reference.json").read_text("utf-8")
 )
 PI = math.pi
 FREE = TomatoArm(lower=[-PI] * 3, upper=[PI] * 3)

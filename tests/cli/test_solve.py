@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 
 from agrik_fast import ArgumentError, Robot, Status
-from agrik_fast.cli import pipeline
-from agrik_fast.cli import solve as solve_module
+from agrik_fast.cli._solve import parse_axis
 from agrik_fast.cli.progress import Bar, Plain, for_stream
-from agrik_fast.cli.solve import SolveRequest, parse_axis, solve_file
-from agrik_fast.cli.summary import HEADINGS, print_summaries
+from agrik_fast.cli.summary import print_summaries
 from agrik_fast.io import read_results
+from agrik_fast.jobs import SolveRequest, solve_file
+from agrik_fast.jobs import _pipeline as pipeline
+from agrik_fast.jobs import _solve_file as solve_module
 from cli_runner import RunCommand, one_line, run_command
 
 
@@ -144,9 +145,11 @@ def test_strict_and_the_summary(agrik_fast: RunCommand) -> None:
     assert strict.exit_code == 3
     assert Path("a.csv").read_bytes() == Path("b.csv").read_bytes()
     heading, row, place = plain.stdout.splitlines()
-    assert re.split(r"\s{2,}", heading) == list(HEADINGS)
-    cells = dict(zip(HEADINGS, re.split(r"\s{2,}", row), strict=True))
-    assert [cells[name] for name in HEADINGS[:7]] == ["tomato", "position", "3", "1", "1", "0", "1"]
+    names = ["robot", "task", "rows", "solved", "out of reach", "not found", "bad input"]
+    names += ["median m", "worst m", "median rad", "worst rad", "time s", "solves/s"]
+    assert re.split(r"\s{2,}", heading) == names
+    cells = dict(zip(names, re.split(r"\s{2,}", row), strict=True))
+    assert [cells[name] for name in names[:7]] == ["tomato", "position", "3", "1", "1", "0", "1"]
     assert float(cells["worst m"]) <= 1e-6
     assert cells["median rad"] == "-"
     assert place == "results: a.csv"
@@ -180,9 +183,9 @@ def test_tolerance_and_solver_are_passed_on(agrik_fast: RunCommand) -> None:
         (["tomato", "t.csv", "-o", "r.csv", "--solver", "ml"], "unknown solver 'ml'"),
         (["tomato", "t.csv", "-o", "r.csv", "--task", "poze"], "unknown task 'poze'"),
         (["tomato", "t.csv", "-o", "r.csv", "--task", "pose"], "orientations for a pose task"),
-        (["tomato", "t.csv", "-o", "r.csv", "--task", "axis"], "--direction, as the targets are"),
+        (["tomato", "t.csv", "-o", "r.csv", "--task", "axis"], "`--direction`: expected one, as"),
         (["tomato", "t.csv", "-o", "r.csv", "--direction", "z"], "expected task 'axis'"),
-        (["tomato", "t.csv", "-o", "r.csv", "--tol", "-1"], "expected a positive number"),
+        (["tomato", "t.csv", "-o", "r.csv", "--tol", "-1"], "`--tol`: expected a positive number"),
         (["tomato", "t.csv", "-o", "r.csv", "--tol-rad", "nan"], "expected a positive number"),
         (["tomato", "t.csv", "-o", "r.doc"], "r.doc: unknown suffix '.doc', expected one of .csv"),
         (["tomato", "t.doc", "-o", "r.csv"], "t.doc: unknown suffix '.doc', expected one of .csv"),
@@ -300,7 +303,7 @@ def test_a_failing_writer_stops_the_solver(tmp_path: Path, monkeypatch: pytest.M
     def fail(self: object, chunk: object) -> None:
         raise FullDisk
 
-    monkeypatch.setattr("agrik_fast.io.csv_results.CsvWriter._write", fail)
+    monkeypatch.setattr("agrik_fast.io._csv_results.CsvWriter._write", fail)
     with pytest.raises(FullDisk):
         solve_file(SolveRequest("tomato", tmp_path / "p.npy", tmp_path / "r.csv"))
     assert [entry.name for entry in tmp_path.iterdir()] == ["p.npy"]

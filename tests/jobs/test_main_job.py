@@ -8,11 +8,11 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from agrik_fast.cli.solve import solve_file
 from agrik_fast.io import read_targets
+from agrik_fast.jobs import solve_file
 from independent_check import count_within_tolerance
 
-EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 
 def load_example(name: str) -> ModuleType:
@@ -113,7 +113,7 @@ def test_grip_postures_hold_the_tool_down_within_limits(load_robot) -> None:
 
 def test_quaternions_give_the_rotation_back() -> None:
     angles = np.random.default_rng(2).uniform(-np.pi, np.pi, (100, 3))
-    from agrik_fast.io import rotations
+    from agrik_fast import _rotations as rotations
 
     matrices = rotations.from_rpy(angles)
     back = rotations.from_quaternion(make_targets.quaternions(matrices))

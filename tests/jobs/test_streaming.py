@@ -17,8 +17,8 @@ from pyarrow import parquet
 
 import agrik_fast as ik
 from agrik_fast._background import Started, ahead
-from agrik_fast.cli.spread import Spread
 from agrik_fast.io import read_results
+from agrik_fast.jobs._spread import Spread
 
 FIELDS = ("q", "success", "status", "position_error", "iterations", "restarts")
 
@@ -27,7 +27,7 @@ FIELDS = ("q", "success", "status", "position_error", "iterations", "restarts")
 SOLVE = """
 import sys
 from pathlib import Path
-from agrik_fast.cli.solve import SolveRequest, solve_file
+from agrik_fast.jobs import SolveRequest, solve_file
 
 robot, targets, output = sys.argv[1:]
 summary = solve_file(SolveRequest(robot, Path(targets), Path(output)))

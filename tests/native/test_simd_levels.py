@@ -18,7 +18,7 @@ import agrik_fast as ik
 from agrik_fast import _native as native
 from machine_code import assert_holds_fast_path, count_fused, count_fused_neon
 
-TESTS = Path(__file__).parent
+TESTS = Path(__file__).parents[1]
 NAMES = ("scalar", "avx2", "avx512", "neon")
 SHOW = "import agrik_fast; print(agrik_fast.simd_level())"
 

@@ -7,9 +7,9 @@ import csv
 import numpy as np
 import pytest
 
-from agrik_fast import goals
 from agrik_fast.papers import hydrolek
 from agrik_fast.robot import Robot
+from agrik_fast.tuning import goals
 
 ARM = Robot.load("hydrolek")
 

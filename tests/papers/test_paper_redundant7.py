@@ -14,7 +14,6 @@ import agrik_fast as ik
 from agrik_fast import euler
 from agrik_fast.errors import ArgumentError
 from agrik_fast.papers import redundant7
-from agrik_fast.papers.redundant7 import experiments
 from cli_runner import one_line, run_command
 
 
@@ -24,7 +23,7 @@ def reference(repo_root: Path) -> Any:
 
 
 def test_kinematics_and_angles(reference: Any) -> None:
-    arm = experiments.arm()
+    arm = redundant7.arm()
     for case in reference["fk"]:
         pose = arm.fk(case["q"])
         expected = np.array(case["T"])
@@ -37,18 +36,18 @@ def test_kinematics_and_angles(reference: Any) -> None:
 
 
 def test_the_published_vector_fits_other_lengths(reference: Any) -> None:
-    for robot, key in ((experiments.arm(), "table"), (experiments.fitted_arm(), "fit")):
-        pose = robot.fk(experiments.PUBLISHED_Q)
+    for robot, key in ((redundant7.arm(), "table"), (redundant7.fitted_arm(), "fit")):
+        pose = robot.fk(redundant7.PUBLISHED_Q)
         expected = reference["published"][key]
         np.testing.assert_allclose(1000 * pose[:3, 3], expected["p"], atol=1e-9)
         np.testing.assert_allclose(euler.zyz_from_pose(pose).angles, expected["zyz"], atol=1e-12)
 
 
 def test_known_solutions_and_the_elbow(reference: Any) -> None:
-    arm, target = experiments.arm(), experiments.target()
+    arm, target = redundant7.arm(), redundant7.target()
     q = np.array(reference["valid_solutions_table_I"])
     np.testing.assert_allclose(arm.fk(q), np.broadcast_to(target, (len(q), 4, 4)), atol=1e-12)
-    assert experiments.cost(arm, q, target).max() < 1e-8
+    assert redundant7.cost(arm, q, target).max() < 1e-8
     found = arm.ik(np.broadcast_to(target, (50, 4, 4)), solver="de")
     assert found.success.all()
     np.testing.assert_allclose(np.abs(found.q[:, 3]), reference["q4_abs_required"], atol=1e-5)
@@ -65,19 +64,19 @@ def test_gimbal_and_wrapping() -> None:
     difference = euler.zyz_differences([3.0, 0.1, -3.0], [-3.0, 0.3, 3.0])
     np.testing.assert_allclose(difference, [6 - 2 * np.pi, -0.2, 2 * np.pi - 6])
     for wrong in (np.zeros(3), np.zeros((2, 3))):
-        with pytest.raises(ArgumentError, match="`pose`: expected shape"):
+        with pytest.raises(ArgumentError, match="`poses`: expected shape"):
             euler.zyz_from_pose(wrong)
-    with pytest.raises(ArgumentError, match="`angles`: expected shape"):
+    with pytest.raises(ArgumentError, match="`zyz`: expected shape"):
         euler.rotation_from_zyz([1.0, 2.0])
 
 
 def test_a_gimbal_target_is_solved_by_both_measures() -> None:
-    arm = experiments.arm()
+    arm = redundant7.arm()
     q = np.array([0.4, 0.9, 0.0, -1.5, 0.0, 0.6, 0.3])  # all in one plane: beta is 0
     assert euler.zyz_from_pose(arm.fk(q)).gimbal
     poses = np.broadcast_to(arm.fk(q), (20, 4, 4))
-    for solver in (ik.solvers.DifferentialEvolution(), experiments.DifferentialEvolution.paper()):
-        coarse = arm.ik(poses, solver=solver, **experiments.TOLERANCE)
+    for solver in (ik.solvers.DifferentialEvolution(), ik.solvers.DifferentialEvolution.paper()):
+        coarse = arm.ik(poses, solver=solver, **redundant7.TOLERANCE)
         assert coarse.success.mean() >= 0.3
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from agrik_fast.arms import StrawberryArm
 from agrik_fast.papers import PAPERS, strawberry, tomato
 from cli_runner import one_line, run_command
 
@@ -87,7 +88,7 @@ def test_strawberry_tables_on_file(folders: dict[str, Path]) -> None:
     poses = read(folders["strawberry"] / "table4.csv")
     times = [row["time_published_s"] for row in poses]
     assert times == ["6.0", "4.0", "4.0", "", "4.0", "6.0", "6.0", ""]
-    arm = strawberry.StrawberryArm()
+    arm = StrawberryArm()
     for row in poses:
         q = np.array([float(row[name]) for name in ("s10_mm", "s21_mm", "s32_mm")]) / 1000
         angles = np.radians([float(row["theta_deg"]), float(row["beta_deg"])])

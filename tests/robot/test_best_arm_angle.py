@@ -7,7 +7,7 @@ import pytest
 
 from agrik_fast import Robot, Status, solvers
 
-DATA = Path(__file__).parent / "data"
+DATA = Path(__file__).parents[1] / "data"
 # What `ClosedForm.certify` promises of the cost, and the rounding of this file's own.
 TOLERANCE = 1e-9 + 1e-10
 ANGLES = np.linspace(-np.pi, np.pi, 1441)[:-1] + 1e-4

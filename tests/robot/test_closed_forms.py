@@ -10,7 +10,7 @@ import agrik_fast as ik
 from agrik_fast import ArgumentError, Robot, Singularity, Status, solvers
 
 POSES = 100_000
-DATA = Path(__file__).parent / "data"
+DATA = Path(__file__).parents[1] / "data"
 SIX = ("puma560", "irb140", "kr16")
 SEVEN = ("redundant7", "iiwa14")
 # The last digits of forward kinematics.

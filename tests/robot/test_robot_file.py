@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from agrik_fast.errors import RobotFileError
-from agrik_fast.robot_file import parse, read
+from agrik_fast.robot._file import parse, read
 
 DH = """
 format = 1

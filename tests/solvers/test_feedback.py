@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import agrik_fast as ik
-from agrik_fast import Status, goals, solvers
+from agrik_fast import Status, solvers
 from agrik_fast.errors import ArgumentError, UnknownNameError
+from agrik_fast.tuning import goals
 
 ARM = ik.Robot.load("hydrolek")
 GOALS = goals.joint_uniform(ARM, 1000, 1)

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import agrik_fast as ik
-from agrik_fast import gain_file
 from agrik_fast.errors import GainFileError, UnknownNameError
-from agrik_fast.solvers import IkPid, StateSpace
+from agrik_fast.solvers import IkPid, StateSpace, gain_file
 
 
 @pytest.mark.parametrize("name", gain_file.bundled())

@@ -13,7 +13,7 @@ import pytest
 import agrik_fast as ik
 from agrik_fast._native import default_settings
 from agrik_fast.errors import ArgumentError, UnknownNameError
-from agrik_fast.papers.redundant7 import experiments
+from agrik_fast.papers import redundant7
 from agrik_fast.solvers import DifferentialEvolution, GeneticAlgorithm
 from numpy_fk import fk, pose_error
 
@@ -27,14 +27,14 @@ def arm() -> ik.Robot:
 
 
 def test_the_published_recipe_on_the_published_target(arm: ik.Robot) -> None:
-    poses = np.broadcast_to(experiments.target(), (1000, 4, 4))
+    poses = np.broadcast_to(redundant7.target(), (1000, 4, 4))
     result = arm.ik(poses, solver=DifferentialEvolution.paper(), **COARSE)
     assert 0.91 <= result.success.mean() <= 0.96
     assert (result.iterations == 200).all() and not result.restarts.any()
     # Every run that fails ends with a joint at a limit.
     stuck = result.q[~result.success]
     assert (np.minimum(stuck - arm.lower, arm.upper - stuck).min(axis=1) < 1e-3).mean() > 0.9
-    costs = experiments.cost(arm, result.q, experiments.target())
+    costs = redundant7.cost(arm, result.q, redundant7.target())
     assert 3e-7 < np.median(costs) < 1e-5
     # Every answer has the one |q4| that reaches the target.
     solved = result.q[result.success]
@@ -187,7 +187,7 @@ def test_the_wrist_has_bounds(arm: ik.Robot, solver: Any) -> None:
 
 
 def test_a_local_minimum_is_told(arm: ik.Robot) -> None:
-    poses = np.broadcast_to(experiments.target(), (300, 4, 4))
+    poses = np.broadcast_to(redundant7.target(), (300, 4, 4))
     long = dataclasses.replace(DifferentialEvolution.paper(), redraw="individual", generations=300)
     result = arm.ik(poses, solver=long, **COARSE)
     failed = result.status[~result.success]
@@ -210,15 +210,15 @@ def test_a_warm_start_is_used_and_kept_near(arm: ik.Robot) -> None:
 
 def test_cost_history(arm: ik.Robot) -> None:
     recipe = DifferentialEvolution.paper()
-    curve = arm.cost_history(experiments.target(), recipe, seed=3)
+    curve = arm.cost_history(redundant7.target(), recipe, seed=3)
     assert curve.shape == (201,)
     assert (np.diff(curve) <= 0).all() and curve[-1] < 1e-3 < 10 < curve[0]
     # It is the history of the run that `ik` makes.
-    result = arm.ik(experiments.target(), solver=recipe, seed=3)
-    cost = experiments.cost(arm, result.q, experiments.target())
+    result = arm.ik(redundant7.target(), solver=recipe, seed=3)
+    cost = redundant7.cost(arm, result.q, redundant7.target())
     np.testing.assert_allclose(curve[-1], cost, rtol=1e-6, atol=1e-9)
     with pytest.raises(ArgumentError, match="`solver`: expected a population solver"):
-        arm.cost_history(experiments.target(), "lm")
+        arm.cost_history(redundant7.target(), "lm")
     with pytest.raises(ArgumentError, match="`targets`: expected one target, got 2 targets"):
         arm.cost_history(np.stack([np.eye(4)] * 2))
 

@@ -10,12 +10,12 @@ import pytest
 from typer.testing import CliRunner
 
 import agrik_fast as ik
-from agrik_fast import gain_file, goals
-from agrik_fast import tune as tuning_module
-from agrik_fast.cli.app import app
-from agrik_fast.cli.tune import reporting
+from agrik_fast.cli._app import app
+from agrik_fast.cli._tune import reporting
 from agrik_fast.errors import ArgumentError, GainFileError, UnknownNameError
-from agrik_fast.tune import Report, Tuning, tune
+from agrik_fast.solvers import gain_file
+from agrik_fast.tuning import Report, Tuning, goals, tune
+from agrik_fast.tuning import _search as tuning_module
 
 ARM = ik.Robot.load("hydrolek")
 QUICK = Tuning(goals=300, evaluations=400, runs=1, refinement=100)
@@ -93,7 +93,7 @@ def test_other_robots_can_be_tuned(robot):
     ("method", "kill"), [("pso", 200), ("cma", 600), ("pso", 900), ("pso", 1250), ("cma", 1400)]
 )
 def test_a_killed_run_goes_on_to_the_same_gains(tmp_path, monkeypatch, method, kill):
-    monkeypatch.setattr(tuning_module, "CHECKPOINT_PERIOD_S", -1.0)
+    monkeypatch.setattr(tuning_module, "PERIOD_S", -1.0)
     tuning = dataclasses.replace(QUICK, goals=50, method=method, runs=2, shape="diagonal")
     whole = tune(ARM, tuning)
     checkpoint = tmp_path / "run.npz"
@@ -106,7 +106,7 @@ def test_a_killed_run_goes_on_to_the_same_gains(tmp_path, monkeypatch, method, k
 
 
 def test_checkpoints_of_other_runs_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(tuning_module, "CHECKPOINT_PERIOD_S", -1.0)
+    monkeypatch.setattr(tuning_module, "PERIOD_S", -1.0)
     tuning = dataclasses.replace(QUICK, goals=50)
     checkpoint = tmp_path / "run.npz"
     with pytest.raises(Killed):

@@ -1,11 +1,14 @@
-"""Closed forms: arms whose geometry gives the joint values without iteration.
+"""Single arms with classes of their own: what a chain of joints does not tell of them.
 
-`StrawberryArm` chooses among the infinitely many postures of the strawberry handling arm
-that reach a target; `TomatoArm` lists the four of the tomato pointing arm.
+`StrawberryArm` chooses, by masses and friction, among the infinitely many postures of the
+strawberry handling arm that reach a target; `TomatoArm` lists the four of the tomato pointing
+arm within its servos' limits, and `holding_torques` says what its servos have to hold.
 """
 
-from .strawberry import Command, Place, StrawberryArm, StrawberryResult
-from .tomato import (
+from ._strawberry import Command, Place, StrawberryArm, StrawberryResult
+from ._tomato import (
+    BRANCHES,
+    HOME,
     Outcome,
     PacedResult,
     TomatoArm,
@@ -13,9 +16,13 @@ from .tomato import (
     TomatoResult,
     TransposeStepWarning,
 )
-from .torques import Load, Servo, Torques, holding_torques
+from ._torques import HD_6001HB, HS_311, Load, Servo, Torques, holding_torques
 
 __all__ = [
+    "BRANCHES",
+    "HD_6001HB",
+    "HOME",
+    "HS_311",
     "Command",
     "Load",
     "Outcome",

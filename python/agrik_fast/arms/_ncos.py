@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from .._checks import FloatArray, float_array
-from .._native import ik_record
-from ..errors import AgrikError, ArgumentError
+from .._checks import FloatArray
+from ..errors import AgrikError
 from ..result import Status
-
-if TYPE_CHECKING:
-    from .strawberry import StrawberryArm, StrawberryResult
 
 SCALE = np.array([0.1, 0.1, 0.1, 1.0, 1.0])
 """Joint values are divided by this, so that SLSQP sees numbers of one size."""
@@ -22,7 +18,29 @@ RESIDUAL_M = 1e-8
 """A solution whose tool point is farther than this from the target is none."""
 
 
-def solve_one(arm: StrawberryArm, target: FloatArray) -> FloatArray | None:
+class Mechanism(Protocol):
+    """What the optimisation asks of an arm."""
+
+    @property
+    def lower(self) -> FloatArray:
+        """Smallest joint values, shape (5,), m and rad."""
+
+    @property
+    def upper(self) -> FloatArray:
+        """Largest joint values, shape (5,), m and rad."""
+
+    @property
+    def reset_pose(self) -> FloatArray:
+        """Where the search starts, shape (5,), m and rad."""
+
+    def fk(self, q: ArrayLike) -> FloatArray:
+        """Return tool points, shape (..., 3), m, of joint values, shape (..., 5)."""
+
+    def energy(self, q: ArrayLike) -> FloatArray:
+        """Return energy indices, shape (...), J, of joint values, shape (..., 5)."""
+
+
+def solve_one(arm: Mechanism, target: FloatArray) -> FloatArray | None:
     """Return joint values, shape (5,), or None where SLSQP finds none."""
     try:
         from scipy.optimize import minimize
@@ -42,13 +60,26 @@ def solve_one(arm: StrawberryArm, target: FloatArray) -> FloatArray | None:
     return q if np.linalg.norm(arm.fk(q) - target) <= RESIDUAL_M else None
 
 
-def solve_all(arm: StrawberryArm, targets: ArrayLike) -> StrawberryResult:
-    """Solve targets, shape (..., 3), m, one after the other."""
-    from .strawberry import StrawberryResult
+class Answers(NamedTuple):
+    """What NCOS found; arrays have the targets' leading shape.
 
-    points = float_array("targets", targets)
-    if points.ndim == 0 or points.shape[-1] != 3:
-        raise ArgumentError("targets", f"shape {points.shape}", "shape (..., 3)")
+    Attributes
+    ----------
+    q : ndarray, shape (..., 5), m and rad
+        Joint values; the reset pose where SLSQP finds none.
+    status : ndarray, shape (...)
+        Codes of `agrik_fast.Status`.
+    error : ndarray, shape (...), m
+        Distance of the tool point from the target; infinite for bad input.
+    """
+
+    q: FloatArray
+    status: NDArray[np.uint8]
+    error: FloatArray
+
+
+def solve_all(arm: Mechanism, points: FloatArray) -> Answers:
+    """Solve targets, shape (..., 3), m, one after the other."""
     leading = points.shape[:-1]
     flat = points.reshape(-1, 3)
     q = np.tile(arm.reset_pose, (len(flat), 1))
@@ -62,15 +93,4 @@ def solve_all(arm: StrawberryArm, targets: ArrayLike) -> StrawberryResult:
         if found is not None:
             q[i], status[i] = found, Status.CONVERGED
         error[i] = float(np.linalg.norm(arm.fk(q[i]) - target))
-    record = ik_record(q.reshape(*leading, 5), status.reshape(leading), error.reshape(leading))
-    solved = status == Status.CONVERGED
-    energy = np.where(solved, arm.energy(q), np.nan)
-    # Why SLSQP fails it does not say; the exact method does, or for constants for which it
-    # has no proof the analytical one.
-    try:
-        why = arm.solve(points, "exact")
-    except ArgumentError:
-        why = arm.solve(points, "as")
-    place = np.where(solved.reshape(leading), 0, why.place).astype(np.uint8)
-    gap = np.where(solved.reshape(leading), 0.0, why.gap)
-    return StrawberryResult(record, energy.reshape(leading), place, gap)
+    return Answers(q.reshape(*leading, 5), status.reshape(leading), error.reshape(leading))

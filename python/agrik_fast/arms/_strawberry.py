@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _native
-from .._checks import FloatArray, finite_array, real_number
+from .._checks import FloatArray, finite_array, float_array, real_number
 from ..errors import ArgumentError, UnknownNameError
+from ._ncos import solve_all
 from ._record import Record
 
 __all__ = ["Command", "Place", "StrawberryArm", "StrawberryResult"]
@@ -120,7 +121,7 @@ class StrawberryArm:
 
     Examples
     --------
-    >>> from agrik_fast.closed_form import StrawberryArm
+    >>> from agrik_fast.arms import StrawberryArm
     >>> arm = StrawberryArm()
     >>> res = arm.solve([0.426, 0.345, -0.3316])
     >>> bool(res.success), round(float(res.energy), 3)
@@ -236,13 +237,28 @@ class StrawberryArm:
         if theta_rule not in THETA_RULES:
             raise UnknownNameError("theta rule", str(theta_rule), THETA_RULES)
         if method == "ncos":
-            from ._ncos import solve_all
-
-            return solve_all(self, targets)
+            return self._ncos(targets)
         record, energy, place, gap = self._arm.solve(
             targets, method, s10_share, theta_rule, theta_step
         )
         return StrawberryResult(record, energy, place, gap)
+
+    def _ncos(self, targets: ArrayLike) -> StrawberryResult:
+        points = float_array("targets", targets)
+        if points.ndim == 0 or points.shape[-1] != 3:
+            raise ArgumentError("targets", f"shape {points.shape}", "shape (..., 3)")
+        found = solve_all(self, points)
+        record = _native.ik_record(found.q, found.status, found.error)
+        solved = record.success
+        energy = np.where(solved, self.energy(found.q), np.nan)
+        # Why SLSQP fails it does not say; the exact method does, or for constants for which
+        # it has no proof the analytical one.
+        try:
+            why = self.solve(points, "exact")
+        except ArgumentError:
+            why = self.solve(points, "as")
+        place = np.where(solved, 0, why.place).astype(np.uint8)
+        return StrawberryResult(record, energy, place, np.where(solved, 0.0, why.gap))
 
     def fk(self, q: ArrayLike) -> FloatArray:
         """Return tool points, shape (..., 3), m, of joint values, shape (..., 5)."""

@@ -29,23 +29,16 @@ from ..errors import ArgumentError, UnknownNameError
 from ..result import Status
 from ..robot import Robot
 from ._record import Record
-from .torques import HD_6001HB, HS_311, Load, Servo, Torques, holding_torques
 
 __all__ = [
     "BRANCHES",
-    "HD_6001HB",
     "HOME",
-    "HS_311",
-    "Load",
     "Outcome",
     "PacedResult",
-    "Servo",
     "TomatoArm",
     "TomatoBranches",
     "TomatoResult",
-    "Torques",
     "TransposeStepWarning",
-    "holding_torques",
 ]
 
 BRANCHES = ("up", "down", "up_flip", "down_flip")
@@ -154,7 +147,7 @@ class TomatoArm:
 
     Examples
     --------
-    >>> from agrik_fast.closed_form import TomatoArm
+    >>> from agrik_fast.arms import TomatoArm
     >>> res = TomatoArm().solve([0.2, 0.05, 0.1])
     >>> bool(res.success), int(res.branch)
     (True, 0)

@@ -12,9 +12,12 @@ import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
+
+from ..papers import PAPERS
 
 EXIT_BAD_ARGUMENTS = 2
 EXIT_NOT_ALL_SOLVED = 3
@@ -99,7 +102,20 @@ def _common(
     del version
 
 
-@app.command()
+class _SolveCommand(TyperCommand):
+    """`solve`, whose help names the solvers that the core knows when it is asked for."""
+
+    def get_help(self, ctx: Any) -> str:
+        """Return the help."""
+        from .._names import solver_names
+
+        (option,) = (each for each in self.params if each.name == "solver")
+        *first, last = solver_names()
+        vars(option)["help"] = f"{', '.join(first)} or {last}."
+        return super().get_help(ctx)
+
+
+@app.command(cls=_SolveCommand)
 def solve(
     robot: Annotated[str, typer.Argument(help="A bundled robot's name, or a .toml or .urdf file.")],
     targets: Annotated[Path, typer.Argument(help="Targets: .csv, .npy, .npz or .parquet.")],
@@ -112,10 +128,7 @@ def solve(
     ] = None,
     solver: Annotated[
         str,
-        typer.Option(
-            help="lm, dls, pinv, pinv-closed, transpose, ccd, ik-pid, state-space, static-gain, "
-            "broyden, de or ga."
-        ),
+        typer.Option(help="Name of the solver."),  # see _SolveCommand
     ] = "lm",
     tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-6,
     tol_rad: Annotated[float, typer.Option(help="Orientation tolerance in radians.")] = 1e-6,
@@ -146,8 +159,9 @@ def solve(
     is complete.
     """
     with _exit_codes():
+        from ..jobs import SolveRequest
+        from ._solve import parse_axis, run
         from .progress import for_stream
-        from .solve import SolveRequest, solve_file
         from .summary import print_summaries
 
         request = SolveRequest(
@@ -158,13 +172,13 @@ def solve(
             solver=solver,
             position_tolerance=tol,
             orientation_tolerance=tol_rad,
-            tool_axis=tool_axis,
-            direction=direction,
+            tool_axis=parse_axis("--tool-axis", tool_axis),
+            direction=None if direction is None else parse_axis("--direction", direction),
             seed=seed,
             threads=threads,
             force=force,
         )
-        summary = solve_file(request, for_stream(sys.stderr))
+        summary = run(request, for_stream(sys.stderr))
         print_summaries([summary], sys.stdout)
         typer.echo(f"results: {output}")
     if strict and summary.solved < summary.rows:
@@ -180,7 +194,7 @@ def info(
 ) -> None:
     """Print a robot's joints, limits, reach, DH rows and source."""
     with _exit_codes():
-        from .info import describe, list_robots
+        from ._info import describe, list_robots
 
         typer.echo(list_robots() if robot is None else describe(robot))
 
@@ -227,8 +241,8 @@ def tune(
     A checkpoint beside the output keeps the search, every few seconds, until it is done.
     """
     with _exit_codes():
-        from ..tune import Tuning
-        from .tune import tune_to_file
+        from ..tuning import Tuning
+        from ._tune import tune_to_file
 
         given = {
             "method": method,
@@ -259,7 +273,7 @@ def tune(
 @app.command()
 def paper(
     name: Annotated[
-        str, typer.Argument(help="Whose paper: strawberry, tomato, hydrolek or redundant7.")
+        str, typer.Argument(help=f"Whose paper: {', '.join(PAPERS[:-1])} or {PAPERS[-1]}.")
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
     force: Annotated[
@@ -271,7 +285,7 @@ def paper(
     Published values, where there are any, stand beside ours. Needs the extra `papers`.
     """
     with _exit_codes():
-        from .paper import reproduce
+        from ._paper import reproduce
 
         def report(line: str) -> None:
             typer.echo(f"{name}: {line}", err=True)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from pathlib import Path
 
+from .. import papers
 from ..errors import ArgumentError, UnknownNameError
-from ..papers import PAPERS
 
 
 def reproduce(
@@ -24,18 +23,12 @@ def reproduce(
     AgrikError
         Matplotlib is missing.
     """
-    if name not in PAPERS:
-        raise UnknownNameError("paper", name, PAPERS)
+    if name not in papers.PAPERS:
+        raise UnknownNameError("paper", name, papers.PAPERS)
     if directory.exists() and not directory.is_dir():
         raise ArgumentError("output", f"the file {directory}", "a folder")
     if directory.is_dir() and any(directory.iterdir()) and not force:
         raise ArgumentError(
             "output", f"{directory}, which holds files", "an empty or new folder (or --force)"
         )
-    # Whether figures can be drawn shows before minutes of computing, not after.
-    from ..papers._output import figure
-
-    figure(1.0, 1.0)
-    module = importlib.import_module(f"..papers.{name}", __package__)
-    files: list[Path] = module.reproduce(directory, report=report)
-    return files
+    return papers.reproduce(name, directory, report)

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TextIO
 
 from ..errors import ArgumentError, GainFileError
-from ..gain_file import GainFile, write
 from ..robot import Robot
-from ..tune import Report, Tuning, tune
+from ..solvers.gain_file import GainFile, write
+from ..tuning import Report, Tuning, tune
 from .progress import PLAIN_INTERVAL_S, Bar
 
 __all__ = ["tune_to_file"]

@@ -8,7 +8,7 @@ import secrets
 from pathlib import Path
 from typing import BinaryIO
 
-from .errors import ResultFileError, os_reason
+from ._errors import ResultFileError, os_reason
 
 
 class AtomicFile:

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from . import rotations
+from .. import _rotations
 
 Array = NDArray[np.float64]
 Orientation = Literal["quaternion", "zyz", "rpy"]
@@ -83,15 +83,15 @@ class TargetColumns:
         position = values[:, :3] / self.units_per_metre
         if self.orientation is None:
             return position
-        return rotations.transforms(position, self._rotation(values[:, 3:]))
+        return _rotations.transforms(position, self._rotation(values[:, 3:]))
 
     def _rotation(self, values: Array) -> Array:
         if self.orientation == "quaternion":
-            return rotations.from_quaternion(values)
+            return _rotations.from_quaternion(values)
         angles = values * self.orientation_scale
         if self.orientation == "zyz":
-            return rotations.from_zyz(angles)
-        return rotations.from_rpy(angles)
+            return _rotations.from_zyz(angles)
+        return _rotations.from_rpy(angles)
 
 
 def match_columns(names: Sequence[str]) -> TargetColumns:

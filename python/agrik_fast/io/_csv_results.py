@@ -6,16 +6,8 @@ import csv
 import io
 from pathlib import Path
 
-from .results import STATUS_NAMES, ResultChunk, ResultLayout, ResultWriter
-
-FIXED_COLUMNS = (
-    "status",
-    "success",
-    "position_error_m",
-    "orientation_error_rad",
-    "iterations",
-    "restarts",
-)
+from ._records import FIXED_COLUMNS, STATUS_NAMES, ResultChunk, ResultLayout
+from ._writer import ResultWriter
 
 
 class CsvWriter(ResultWriter):

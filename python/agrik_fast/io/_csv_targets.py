@@ -11,9 +11,10 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from .columns import ColumnError, match_columns
-from .errors import TargetFileError
-from .targets import DEFAULT_CHUNK, TargetChunk, TargetReader
+from ._columns import ColumnError, match_columns
+from ._errors import TargetFileError
+from ._reader import DEFAULT_CHUNK, TargetReader
+from ._records import TargetChunk
 
 
 class CsvReader(TargetReader):

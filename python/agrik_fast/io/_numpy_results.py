@@ -10,7 +10,8 @@ import numpy as np
 from numpy.lib import format as npy_format
 from numpy.typing import NDArray
 
-from .results import STATUS_NAMES, ResultChunk, ResultLayout, ResultWriter
+from ._records import STATUS_NAMES, ResultChunk, ResultLayout
+from ._writer import ResultWriter
 
 
 def record_dtype(layout: ResultLayout, id_dtype: np.dtype[Any]) -> np.dtype[Any]:

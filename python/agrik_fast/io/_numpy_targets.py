@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import rotations
-from .columns import RADIANS_PER_UNIT, UNITS_PER_METRE
-from .errors import TargetFileError
-from .targets import DEFAULT_CHUNK, TargetChunk, TargetReader
+from .. import _rotations
+from ._columns import RADIANS_PER_UNIT, UNITS_PER_METRE
+from ._errors import TargetFileError
+from ._reader import DEFAULT_CHUNK, TargetReader
+from ._records import TargetChunk
 
 
 def _check_kind(path: Path, what: str, dtype: np.dtype[Any]) -> None:
@@ -54,7 +55,7 @@ class NpyReader(TargetReader):
             # A fresh map per chunk lets the pages of the chunks before be given back.
             targets = np.array(self._map()[first : first + size], dtype=np.float64, order="C")
             if targets.ndim == 3:
-                targets = rotations.blank_non_rigid(targets)
+                targets = _rotations.blank_non_rigid(targets)
             ids = np.arange(first + 1, first + len(targets) + 1, dtype=np.int64)
             yield TargetChunk(first, targets, ids)
 
@@ -140,14 +141,14 @@ def _targets(path: Path, arrays: Mapping[str, NDArray[Any]]) -> NDArray[np.float
         pose = np.array(arrays["T"], dtype=np.float64, order="C")
         if pose.ndim != 3 or pose.shape[1:] != (4, 4):
             raise TargetFileError(path, f"'T' of shape {pose.shape}, expected (n, 4, 4)")
-        return rotations.blank_non_rigid(pose)
+        return _rotations.blank_non_rigid(pose)
     key = next(key for key in arrays if key in _POSITION_KEYS)
     position = np.array(arrays[key], dtype=np.float64, order="C")
     if position.ndim != 2 or position.shape[1] != 3:
         raise TargetFileError(path, f"'{key}' of shape {position.shape}, expected (n, 3)")
     position /= _POSITION_KEYS[key]
     rotation = _rotation(path, arrays, len(position))
-    return position if rotation is None else rotations.transforms(position, rotation)
+    return position if rotation is None else _rotations.transforms(position, rotation)
 
 
 def _rotation(
@@ -161,9 +162,9 @@ def _rotation(
     if values.shape != expected:
         raise TargetFileError(path, f"'{key}' of shape {values.shape}, expected {expected}")
     if key == "quaternion_xyzw":
-        return rotations.from_quaternion(values)
+        return _rotations.from_quaternion(values)
     kind, scale = _ANGLE_KEYS[key]
-    return (rotations.from_zyz if kind == "zyz" else rotations.from_rpy)(values * scale)
+    return (_rotations.from_zyz if kind == "zyz" else _rotations.from_rpy)(values * scale)
 
 
 def _ids(path: Path, ids: NDArray[Any], count: int) -> NDArray[Any]:

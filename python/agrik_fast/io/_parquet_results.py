@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from .errors import ResultFileError
-from .results import STATUS_NAMES, ResultChunk, ResultLayout, ResultWriter
-
-METADATA_PREFIX = "agrik_fast."
+from ._errors import ResultFileError
+from ._records import METADATA_PREFIX, STATUS_NAMES, ResultChunk, ResultLayout
+from ._writer import ResultWriter
 
 
 class ParquetWriter(ResultWriter):
-    """The CSV's columns with types; the status as a dictionary of its four names."""
+    """The CSV's columns with types; the status as a dictionary of the names."""
 
     def __init__(self, path: Path, layout: ResultLayout, *, force: bool) -> None:
         try:
@@ -41,7 +40,7 @@ class ParquetWriter(ResultWriter):
             metadata=metadata,
         )
         self._writer: Any = parquet.ParquetWriter(
-            # A dictionary pays for the four status names, not for numbers that never repeat.
+            # A dictionary pays for the few status names, not for numbers that never repeat.
             self._file.stream,
             self._schema,
             use_dictionary=["status"],

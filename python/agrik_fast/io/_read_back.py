@@ -12,9 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .csv_results import FIXED_COLUMNS
-from .errors import ResultFileError, os_reason
-from .results import STATUS_NAMES, ResultChunk, ResultLayout
+from ._errors import ResultFileError, os_reason
+from ._records import (
+    FIXED_COLUMNS,
+    METADATA_PREFIX,
+    STATUS_NAMES,
+    ResultChunk,
+    ResultLayout,
+)
 
 Columns = dict[str, NDArray[Any]]
 
@@ -87,8 +92,6 @@ def _npz(path: Path) -> tuple[ResultLayout, ResultChunk]:
 
 def _parquet(path: Path) -> tuple[ResultLayout, ResultChunk]:
     from pyarrow import parquet
-
-    from .parquet_results import METADATA_PREFIX
 
     table = parquet.read_table(path)
     columns: Columns = {}

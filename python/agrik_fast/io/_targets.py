@@ -8,83 +8,13 @@ end. Text in a number's place is an error that names row and column.
 
 from __future__ import annotations
 
-import abc
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from .errors import TargetFileError, os_reason
+from ._errors import TargetFileError, os_reason
+from ._reader import TargetReader
 
 TARGET_SUFFIXES = (".csv", ".npy", ".npz", ".parquet")
-DEFAULT_CHUNK = 65_536
-
-
-@dataclass(frozen=True)
-class TargetChunk:
-    """Consecutive targets of a file.
-
-    Attributes
-    ----------
-    first : int
-        Index of the chunk's first target in the file, from 0.
-    targets : ndarray, shape (n, 3) in m, or (n, 4, 4)
-        Tool points or tool poses in the robot's base frame.
-    ids : ndarray, shape (n,)
-        Row ids of the file, as int64 or text; row numbers from 1 where the file has none.
-    """
-
-    first: int
-    targets: NDArray[np.float64]
-    ids: NDArray[Any]
-
-    def __len__(self) -> int:
-        return len(self.targets)
-
-
-class TargetReader(abc.ABC):
-    """An open target file.
-
-    Attributes
-    ----------
-    path : Path
-    is_pose : bool
-        True if every target has an orientation.
-    count : int or None
-        Number of targets, None where only reading on would tell (CSV).
-    has_text_ids : bool
-        True if the row ids are text.
-    ignored : tuple of str
-        Columns or keys that were found and not used.
-    """
-
-    path: Path
-    is_pose: bool
-    count: int | None
-    has_text_ids: bool = False
-    ignored: tuple[str, ...] = ()
-
-    @abc.abstractmethod
-    def chunks(self, size: int = DEFAULT_CHUNK) -> Iterator[TargetChunk]:
-        """Yield the targets in order, at most `size` rows at a time.
-
-        Raises
-        ------
-        TargetFileError
-            At the chunk that holds the fault, naming its row and column.
-        """
-
-    def read_all(self) -> TargetChunk:
-        """All targets as one chunk."""
-        parts = list(self.chunks())
-        return TargetChunk(
-            0,
-            np.concatenate([part.targets for part in parts]),
-            np.concatenate([part.ids for part in parts]),
-        )
+"""Kinds of target files."""
 
 
 def read_targets(path: Path | str) -> TargetReader:
@@ -135,13 +65,13 @@ def read_targets(path: Path | str) -> TargetReader:
 
 def _open(path: Path, suffix: str) -> TargetReader:
     if suffix == ".csv":
-        from .csv_targets import CsvReader
+        from ._csv_targets import CsvReader
 
         return CsvReader(path)
     if suffix == ".parquet":
-        from .parquet_targets import ParquetReader
+        from ._parquet_targets import ParquetReader
 
         return ParquetReader(path)
-    from .numpy_targets import NpyReader, open_npz
+    from ._numpy_targets import NpyReader, open_npz
 
     return NpyReader(path) if suffix == ".npy" else open_npz(path)

@@ -1,4 +1,4 @@
-"""The main job: targets from a file, solved in pieces, results to a file."""
+"""Targets from a file, solved in pieces, results to a file."""
 
 from __future__ import annotations
 
@@ -10,44 +10,56 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import __version__
+from .._native import __version__
 from ..errors import ArgumentError, UnknownNameError
-from ..io import ResultChunk, ResultLayout, TargetReader, open_results, read_targets
-from ..io.errors import ResultFileError
-from ..io.results import check_result_path
+from ..io import (
+    ResultChunk,
+    ResultFileError,
+    ResultLayout,
+    TargetReader,
+    check_result_path,
+    open_results,
+    read_targets,
+)
 from ..result import IkResult
 from ..robot import Robot
 from ..tasks import Axis
-from .pipeline import Pipeline, Solve
-from .progress import Progress, Silent
-from .summary import Summary
+from ._pipeline import Pipeline, Solve
+from ._progress import Progress, Silent
+from ._summary import Summary
 
 # Rows that are written in one go; a Parquet file gets a row group of them.
 WRITE_ROWS = 65_536
-AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+Vector = tuple[float, float, float]
 TASKS = ("position", "pose", "axis")
 
 
 @dataclass(frozen=True)
 class SolveRequest:
-    """What `agrik-fast solve` was asked for.
+    """What `solve_file` is asked for.
 
     Attributes
     ----------
     robot : str
         Bundled name or path.
     targets, output : Path
-    task : str or None
-        "position", "pose" or "axis"; None: pose if the targets have orientations.
+        Files, whose kinds follow from their suffixes.
+    task : {"position", "pose", "axis"}, optional
+        None: pose if the targets have orientations.
     solver : str
+        A solver's name, see `Robot.ik`.
     position_tolerance : float, m
+        Largest distance between tool point and target; above 0.
     orientation_tolerance : float, rad
-    tool_axis : str
-        "x", "-z", ... or three numbers, in the tool frame.
-    direction : str or None
-        The same in the base frame.
+        Largest angle between tool and target orientation; above 0.
+    tool_axis : tuple of 3 float
+        Axis task: the axis, in the tool frame.
+    direction : tuple of 3 float, optional
+        Axis task: where it points, in the base frame; None: along the targets' own tool axis.
     seed : int
-    threads : int or None
+        Seed of the restarts.
+    threads : int, optional
+        Number of threads, as for `Robot.ik`.
     force : bool
         Replace an existing result.
     """
@@ -59,33 +71,11 @@ class SolveRequest:
     solver: str = "lm"
     position_tolerance: float = 1e-6
     orientation_tolerance: float = 1e-6
-    tool_axis: str = "z"
-    direction: str | None = None
+    tool_axis: Vector = (0.0, 0.0, 1.0)
+    direction: Vector | None = None
     seed: int = 0
     threads: int | None = None
     force: bool = False
-
-
-def parse_axis(option: str, text: str) -> tuple[float, float, float]:
-    """Return the vector that "x", "-z" or "0,0.6,0.8" names.
-
-    Raises
-    ------
-    ArgumentError
-        For other texts and for a vector that is zero or not finite.
-    """
-    name = text.strip().lower()
-    sign = -1.0 if name.startswith("-") else 1.0
-    if name.lstrip("+-") in AXES and len(name) <= 2:
-        x, y, z = AXES[name[-1]]
-        return (sign * x + 0.0, sign * y + 0.0, sign * z + 0.0)
-    try:
-        x, y, z = (float(part) for part in name.split(","))
-    except ValueError:
-        raise ArgumentError(option, repr(text), "x, y, z, -x, -y, -z or three numbers") from None
-    if not np.isfinite([x, y, z]).all() or not any((x, y, z)):
-        raise ArgumentError(option, repr(text), "a finite vector that is not zero")
-    return (x, y, z)
 
 
 def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str | Axis]:
@@ -106,9 +96,8 @@ def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str |
             raise ArgumentError("direction", f"task '{name}'", "task 'axis'")
         return name, name
     if request.direction is None and not reader.is_pose:
-        raise ArgumentError("direction", "nothing", "--direction, as the targets are points")
-    direction = None if request.direction is None else parse_axis("direction", request.direction)
-    return name, Axis(tool_axis=parse_axis("tool-axis", request.tool_axis), direction=direction)
+        raise ArgumentError("direction", "nothing", "one, as the targets are points")
+    return name, Axis(tool_axis=request.tool_axis, direction=request.direction)
 
 
 def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summary:
@@ -136,12 +125,12 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     started = time.perf_counter()
     progress = Silent() if progress is None else progress
     check_result_path(request.output)
-    for option, value in (
-        ("tol", request.position_tolerance),
-        ("tol-rad", request.orientation_tolerance),
+    for name, value in (
+        ("position_tolerance", request.position_tolerance),
+        ("orientation_tolerance", request.orientation_tolerance),
     ):
         if not (np.isfinite(value) and value > 0.0):
-            raise ArgumentError(option, repr(value), "a positive number")
+            raise ArgumentError(name, repr(value), "a positive number")
     robot = Robot.load(request.robot)
     reader = read_targets(request.targets)
     if request.output.exists() and request.output.samefile(request.targets):
@@ -202,9 +191,14 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
         "seed": str(request.seed),
     }
     if task == "axis":
-        values["tool_axis"] = request.tool_axis
-        values["direction"] = request.direction or "the targets' own"
+        values["tool_axis"] = _words(request.tool_axis)
+        where = request.direction
+        values["direction"] = "the targets' own" if where is None else _words(where)
     return values
+
+
+def _words(vector: Vector) -> str:
+    return ",".join(map(repr, vector))
 
 
 def _joined(pieces: list[ResultChunk]) -> ResultChunk:

@@ -10,13 +10,14 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._checks import FloatArray, float_array, whole_number
+from .._checks import FloatArray, float_array, whole_number
+from ..errors import UnknownNameError
 from ._definition import Definition, bundled_names, from_robot_file, locate, read_urdf
 from ._dh_rows import CONVENTIONS, DhRow, read_table
 from ._inverse import InverseKinematics
-from .errors import UnknownNameError
+from ._path import Path
 
-__all__ = ["DhRow", "Robot"]
+__all__ = ["DhRow", "Path", "Robot"]
 
 
 class Robot(InverseKinematics):

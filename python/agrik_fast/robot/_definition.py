@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import _native
-from ._checks import FloatArray
+from .. import _native
+from .._checks import FloatArray
+from ..errors import ArgumentError, UnknownNameError, UrdfError
 from ._dh_rows import DhRow, DhTable
-from .errors import ArgumentError, UnknownNameError, UrdfError
 
 if TYPE_CHECKING:
-    from ._native import JointSpec
-    from .robot_file import RobotFile
+    from .._native import JointSpec
+    from ._file import RobotFile
 
-ROBOTS = Path(__file__).resolve().parent / "robots"
+ROBOTS = Path(__file__).resolve().parent / "bundled"
 _SUFFIXES = (".toml", ".urdf", ".xml")
 
 
@@ -102,7 +102,7 @@ def from_robot_file(path: Path) -> Definition:
     """Read a robot file."""
     # pydantic takes longer to import than everything else together, and robots made
     # from rows or URDF do not need it.
-    from .robot_file import read, source_fields
+    from ._file import read, source_fields
 
     content = read(path)
     method, arguments, dh = _dh(content) if content.dh else _joints(content)

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._checks import FloatArray, float_array, real_number
-from .errors import ArgumentError, UnknownNameError
+from .._checks import FloatArray, float_array, real_number
+from ..errors import ArgumentError, UnknownNameError
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
 CONVENTIONS = ("standard", "modified")

@@ -22,8 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
-from ._robot_file_checks import combined_faults, quantity
-from .errors import Fault, RobotFileError, nearest_names
+from .. import _rotations
+from ..errors import Fault, RobotFileError, nearest_names
+from ._file_checks import combined_faults, quantity
 
 __all__ = ["DhTable", "JointTable", "MimicTable", "RobotFile", "TransformTable", "read"]
 
@@ -63,7 +64,8 @@ class TransformTable(_Table):
         if self.rotation is not None:
             result[:3, :3] = self.rotation
         else:
-            result[:3, :3] = _rotation_rpy(*_or(quantity(tables, "rpy"), (0.0, 0.0, 0.0)))
+            rpy = _or(quantity(tables, "rpy"), (0.0, 0.0, 0.0))
+            result[:3, :3] = _rotations.from_rpy(np.array(rpy))
         return result
 
 
@@ -299,17 +301,6 @@ def _message(kind: str, loc: tuple[int | str, ...], message: str, value: object)
 
 def _or(value: _T | None, default: _T) -> _T:
     return default if value is None else value
-
-
-def _rotation_rpy(roll: float, pitch: float, yaw: float) -> NDArray[np.float64]:
-    (cr, cp, cy), (sr, sp, sy) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
 
 
 def source_fields(source: SourceTable | None) -> Mapping[str, Any]:

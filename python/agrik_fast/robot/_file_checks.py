@@ -1,6 +1,6 @@
 """Checks of a robot file that need more than one key, on its raw tables.
 
-They skip whatever has the wrong type: `robot_file` reports that itself.
+They skip whatever has the wrong type: `_file` reports that itself.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import Fault, nearest_names
+from ..errors import Fault, nearest_names
 
 _TO_SI = {"m": 1.0, "mm": 1e-3, "rad": 1.0, "deg": math.pi / 180.0}
 _LENGTH, _ANGLE = ("m", "mm"), ("rad", "deg")

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._checks import FloatArray, float_array, whole_number
-from ._stream import solve_ahead
+from .._checks import FloatArray, float_array, whole_number
+from .._stream import solve_ahead
+from ._path import Path
 
 if TYPE_CHECKING:
-    from ._native import Chain, TargetSolver
-    from .path import Path
-    from .result import Branches, IkResult
-    from .solvers import DifferentialEvolution, GeneticAlgorithm, Solver
-    from .tasks import Task
+    from .._native import Chain, TargetSolver
+    from ..result import Branches, IkResult
+    from ..solvers import DifferentialEvolution, GeneticAlgorithm, Solver
+    from ..tasks import Task
 
 __all__ = ["InverseKinematics"]
 
@@ -194,8 +194,6 @@ class InverseKinematics:
         KeyboardInterrupt
             Ctrl-C.
         """
-        from .path import Path
-
         result, jumps = self._chain.follow(
             targets,
             max_joint_step,

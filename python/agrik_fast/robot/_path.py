@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ._checks import FloatArray
+from .._checks import FloatArray
 
 __all__ = ["Path"]
 

@@ -1,4 +1,4 @@
-"""The feedback solvers of `agrik_fast.solvers`: laws that need no Jacobian."""
+"""Feedback laws: step solvers that need no Jacobian."""
 
 from __future__ import annotations
 
@@ -7,38 +7,22 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
-from typing import ClassVar, TypeAlias, cast
+from typing import ClassVar, Self, TypeAlias, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from ._checks import float_array, real_number, truth_value, whole_number
-from .errors import ArgumentError, UnknownNameError
-
-__all__ = ["Broyden", "CyclicCoordinateDescent", "IkPid", "Matrix", "StateSpace", "StaticGain"]
-
-Matrix: TypeAlias = tuple[tuple[float, ...], ...]
-"""A matrix as rows of numbers."""
-
-STARTS = ("sampled", "zero", "middle")
-"""Where a first attempt may start: chosen from the seed, at zero, in the middle."""
+from .._checks import Matrix, matrix, real_number, truth_value, whole_number
+from ..errors import ArgumentError, UnknownNameError
+from ._loop import LARGEST_COUNT, FeedbackLoop
 
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
-_LARGEST_COUNT = 2**32 - 1
 _DEGREE = math.pi / 180
 
 
 def _set(instance: object, name: str, value: object) -> None:
     object.__setattr__(instance, name, value)
-
-
-def _check_loop(solver: Feedback) -> None:
-    kind = type(solver).__name__
-    whole_number(f"{kind}.max_iterations", solver.max_iterations, 1, _LARGEST_COUNT)
-    whole_number(f"{kind}.max_restarts", solver.max_restarts, 0, _LARGEST_COUNT)
-    if solver.start not in STARTS:
-        raise UnknownNameError("start", str(solver.start), STARTS)
 
 
 def _check_meaning(solver: StateSpace | StaticGain | Broyden | IkPid) -> None:
@@ -53,7 +37,7 @@ def _check_meaning(solver: StateSpace | StaticGain | Broyden | IkPid) -> None:
 
 def _check_axes(solver: StateSpace | StaticGain | Broyden) -> None:
     kind = type(solver).__name__
-    frame = matrix_of(f"{kind}.frame", solver.frame)
+    frame = matrix(f"{kind}.frame", solver.frame)
     turned = np.array(frame)
     if turned.shape != (3, 3) or not np.allclose(turned @ turned.T, np.eye(3), atol=1e-9):
         raise ArgumentError(f"{kind}.frame", str(turned.tolist()), "a rotation matrix (3, 3)")
@@ -64,22 +48,28 @@ def _check_axes(solver: StateSpace | StaticGain | Broyden) -> None:
         )
 
 
-def matrix_of(name: str, value: ArrayLike) -> Matrix:
-    """Return rows of numbers; `name` is whose they are, for messages."""
-    array = float_array(name, value)
-    if array.ndim != 2 or array.size == 0:
-        raise ArgumentError(name, f"shape {array.shape}", "a matrix")
-    if not np.isfinite(array).all():
-        raise ArgumentError(name, "NaN or infinity", "finite numbers")
-    return tuple(tuple(row) for row in array.tolist())
+def _shape(rows: Matrix) -> tuple[int, int]:
+    return len(rows), len(rows[0])
 
 
-def _shape(matrix: Matrix) -> tuple[int, int]:
-    return len(matrix), len(matrix[0])
+class _FromFile:
+    """Solvers whose gains a file can hold."""
+
+    __slots__ = ()
+
+    @classmethod
+    def load(cls, source: str | PathLike[str]) -> Self:
+        """Return the solver of a gain file, or of a bundled set by its name.
+
+        Short for ``solvers.load_gains(source, kind)`` with this class as the kind.
+        """
+        from . import load_gains
+
+        return load_gains(source, cls)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CyclicCoordinateDescent:
+class CyclicCoordinateDescent(FeedbackLoop):
     """One joint after the other to its best value, tip first; named "ccd".
 
     Every joint in turn is moved to where it brings the tool point nearest to the target,
@@ -88,11 +78,9 @@ class CyclicCoordinateDescent:
     Parameters
     ----------
     start : {"sampled", "zero", "middle"}
-        Where the first attempt starts without `q0`; default "sampled".
     max_iterations : int, default 500
-        Sweeps over all joints in one attempt; 1 to 2**32 - 1.
     max_restarts : int, default 20
-        Attempts after the first before the target is given up; 0 to 2**32 - 1.
+        The loop's, see `FeedbackLoop`.
 
     Raises
     ------
@@ -106,16 +94,12 @@ class CyclicCoordinateDescent:
     """
 
     name: ClassVar[str] = "ccd"
-    start: str = "sampled"
     max_iterations: int = 500
     max_restarts: int = 20
 
-    def __post_init__(self) -> None:
-        _check_loop(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class IkPid:
+class IkPid(_FromFile, FeedbackLoop):
     """One joint after the other by a PID law of the error's length; named "ik-pid".
 
     Each joint in turn is tried on either side of where it is, at the distance
@@ -142,11 +126,9 @@ class IkPid:
         Tries turn the tool about one axis instead of a full pass of forward kinematics;
         the same answers, sooner.
     start : {"sampled", "zero", "middle"}
-        Where the first attempt starts without `q0`; default "sampled".
     max_iterations : int, default 1000
-        Sweeps over all joints in one attempt; 1 to 2**32 - 1.
     max_restarts : int, default 20
-        Attempts after the first before the target is given up; 0 to 2**32 - 1.
+        The loop's, see `FeedbackLoop`.
     robot : str, optional
         Name of the robot the gains were tuned for; others are refused.
 
@@ -165,7 +147,6 @@ class IkPid:
     order: str = "tip-first"
     literal: bool = False
     incremental: bool = True
-    start: str = "sampled"
     max_iterations: int = 1000
     max_restarts: int = 20
     robot: str | None = None
@@ -178,18 +159,11 @@ class IkPid:
             raise UnknownNameError("order", str(self.order), ("tip-first", "base-first"))
         truth_value("IkPid.literal", self.literal)
         truth_value("IkPid.incremental", self.incremental)
-        _check_loop(self)
-
-    @classmethod
-    def load(cls, source: str | PathLike[str]) -> IkPid:
-        """Return the solver of a gain file, or of a bundled set by its name."""
-        from .gain_file import load
-
-        return load(source, cls)
+        FeedbackLoop.__post_init__(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StateSpace:
+class StateSpace(_FromFile, FeedbackLoop):
     """A linear discrete-time system from error to joint values; named "state-space".
 
     ``dq = C x``, then ``x <- A x + B e``, from ``x = 0``; joint values saturate at their
@@ -213,11 +187,9 @@ class StateSpace:
         Length that one radian of orientation error counts as, m; default 0.3 times the
         reach.
     start : {"sampled", "zero", "middle"}
-        Where the first attempt starts without `q0`; default "sampled".
     max_iterations : int, default 400
-        Steps of one attempt; 1 to 2**32 - 1.
     max_restarts : int, default 20
-        Attempts after the first before the target is given up; 0 to 2**32 - 1.
+        The loop's, see `FeedbackLoop`.
     robot : str, optional
         Name of the robot the gains were tuned for; others are refused.
 
@@ -240,7 +212,6 @@ class StateSpace:
     angle_unit_rad: float = 1.0
     frame: Matrix = IDENTITY
     rotation_length_m: float | None = None
-    start: str = "sampled"
     max_iterations: int = 400
     max_restarts: int = 20
     robot: str | None = None
@@ -251,7 +222,7 @@ class StateSpace:
             raise ArgumentError("StateSpace.A, B, C", "some of them", "all three or none")
         if self.A is not None and self.B is not None and self.C is not None:
             for name in "ABC":
-                _set(self, name, matrix_of(f"StateSpace.{name}", getattr(self, name)))
+                _set(self, name, matrix(f"StateSpace.{name}", getattr(self, name)))
             states = len(self.A)
             if _shape(self.A) != (states, states):
                 raise ArgumentError("StateSpace.A", f"shape {_shape(self.A)}", "a square matrix")
@@ -271,7 +242,7 @@ class StateSpace:
                 )
         _check_meaning(self)
         _check_axes(self)
-        _check_loop(self)
+        FeedbackLoop.__post_init__(self)
 
     @property
     def spectral_radius(self) -> float:
@@ -285,16 +256,9 @@ class StateSpace:
         a, b, c = np.array(self.A), np.array(self.B), np.array(self.C)
         return cast("NDArray[np.float64]", c @ np.linalg.solve(np.eye(len(a)) - a, b))
 
-    @classmethod
-    def load(cls, source: str | PathLike[str]) -> StateSpace:
-        """Return the solver of a gain file, or of a bundled set by its name."""
-        from .gain_file import load
-
-        return load(source, cls)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StaticGain:
+class StaticGain(_FromFile, FeedbackLoop):
     """A constant matrix from error to joint values; named "static-gain".
 
     ``dq = K e``, saturated at the limits. What a tuned state space does, with fewer
@@ -315,11 +279,9 @@ class StaticGain:
         Length that one radian of orientation error counts as, m; default 0.3 times the
         reach.
     start : {"sampled", "zero", "middle"}
-        Where the first attempt starts without `q0`; default "sampled".
     max_iterations : int, default 400
-        Steps of one attempt; 1 to 2**32 - 1.
     max_restarts : int, default 20
-        Attempts after the first before the target is given up; 0 to 2**32 - 1.
+        The loop's, see `FeedbackLoop`.
     robot : str, optional
         Name of the robot the gains were tuned for; others are refused.
 
@@ -335,7 +297,6 @@ class StaticGain:
     angle_unit_rad: float = 1.0
     frame: Matrix = IDENTITY
     rotation_length_m: float | None = None
-    start: str = "sampled"
     max_iterations: int = 400
     max_restarts: int = 20
     robot: str | None = None
@@ -344,18 +305,11 @@ class StaticGain:
         _check_gain(self)
         _check_meaning(self)
         _check_axes(self)
-        _check_loop(self)
-
-    @classmethod
-    def load(cls, source: str | PathLike[str]) -> StaticGain:
-        """Return the solver of a gain file, or of a bundled set by its name."""
-        from .gain_file import load
-
-        return load(source, cls)
+        FeedbackLoop.__post_init__(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Broyden:
+class Broyden(FeedbackLoop):
     """A matrix that learns from every step what it did; named "broyden".
 
     ``dq = K e`` as with `StaticGain`, then ``K <- K + (dq - K de) de^T / |de|^2``: Broyden's
@@ -379,11 +333,9 @@ class Broyden:
         Length that one radian of orientation error counts as, m; default 0.3 times the
         reach.
     start : {"sampled", "zero", "middle"}
-        Where the first attempt starts without `q0`; default "sampled".
     max_iterations : int, default 100
-        Steps of one attempt; 1 to 2**32 - 1.
     max_restarts : int, default 100
-        Attempts after the first before the target is given up; 0 to 2**32 - 1.
+        The loop's, see `FeedbackLoop`.
     robot : str, optional
         Name of the robot the gains were tuned for; others are refused.
 
@@ -405,17 +357,16 @@ class Broyden:
     angle_unit_rad: float = 1.0
     frame: Matrix = IDENTITY
     rotation_length_m: float | None = None
-    start: str = "sampled"
     max_iterations: int = 100
     max_restarts: int = 100
     robot: str | None = None
 
     def __post_init__(self) -> None:
         _check_gain(self)
-        whole_number("Broyden.patience", self.patience, 1, _LARGEST_COUNT)
+        whole_number("Broyden.patience", self.patience, 1, LARGEST_COUNT)
         _check_meaning(self)
         _check_axes(self)
-        _check_loop(self)
+        FeedbackLoop.__post_init__(self)
 
     @classmethod
     def from_gain(cls, gain: StaticGain | StateSpace, **fields: object) -> Broyden:
@@ -428,9 +379,9 @@ class Broyden:
         **fields
             Other fields of the new solver.
         """
-        matrix: object = gain.K if isinstance(gain, StaticGain) else gain.static_gain()
+        settled: object = gain.K if isinstance(gain, StaticGain) else gain.static_gain()
         given: dict[str, object] = {
-            "K": matrix,
+            "K": settled,
             "length_unit_m": gain.length_unit_m,
             "angle_unit_rad": gain.angle_unit_rad,
             "frame": gain.frame,
@@ -445,10 +396,10 @@ def _check_gain(solver: StaticGain | Broyden) -> None:
     if solver.K is None:
         return
     name = f"{type(solver).__name__}.K"
-    matrix = matrix_of(name, cast("Sequence[Sequence[float]]", solver.K))
-    if _shape(matrix)[1] not in (3, 6):
-        raise ArgumentError(name, f"shape {_shape(matrix)}", "shape (n, 3) or (n, 6)")
-    _set(solver, "K", matrix)
+    rows = matrix(name, cast("Sequence[Sequence[float]]", solver.K))
+    if _shape(rows)[1] not in (3, 6):
+        raise ArgumentError(name, f"shape {_shape(rows)}", "shape (n, 3) or (n, 6)")
+    _set(solver, "K", rows)
 
 
 Feedback: TypeAlias = CyclicCoordinateDescent | IkPid | StateSpace | StaticGain | Broyden

@@ -4,8 +4,6 @@ They need no Jacobian and look at the whole range of every joint, at the price o
 of times the work of a step solver. With ``polish=True`` (the default) a short search hands
 its best individuals to the default step solver, which makes up for the slow end of a
 search; without it they stand as published methods do.
-
-Use them from `agrik_fast.solvers`.
 """
 
 from __future__ import annotations
@@ -14,13 +12,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from ._checks import real_number, truth_value, whole_number
-from .errors import ArgumentError, UnknownNameError
+from .._checks import real_number, truth_value, whole_number
+from ..errors import ArgumentError, UnknownNameError
+from ._loop import LARGEST_COUNT
 
 __all__ = ["DifferentialEvolution", "GeneticAlgorithm"]
 
-# The compiled module counts in 32 bits, and holds no larger population.
-_LARGEST_COUNT = 2**32 - 1
+# The compiled module holds no larger population.
 _LARGEST_POPULATION = 2**20
 
 MUTATIONS = ("best1", "rand1", "current-to-best1")
@@ -43,9 +41,9 @@ def _word(argument: str, value: object, known: tuple[str, ...]) -> None:
 def _check_search(solver: DifferentialEvolution | GeneticAlgorithm) -> None:
     kind = type(solver).__name__
     whole_number(f"{kind}.population", solver.population, 4, _LARGEST_POPULATION)
-    whole_number(f"{kind}.generations", solver.generations, 1, _LARGEST_COUNT)
-    whole_number(f"{kind}.max_restarts", solver.max_restarts, 0, _LARGEST_COUNT)
-    whole_number(f"{kind}.stagnation", solver.stagnation, 0, _LARGEST_COUNT)
+    whole_number(f"{kind}.generations", solver.generations, 1, LARGEST_COUNT)
+    whole_number(f"{kind}.max_restarts", solver.max_restarts, 0, LARGEST_COUNT)
+    whole_number(f"{kind}.stagnation", solver.stagnation, 0, LARGEST_COUNT)
     real_number(f"{kind}.position_weight", solver.position_weight, 0, unit="per m")
     if solver.orientation_weight is not None:
         real_number(f"{kind}.orientation_weight", solver.orientation_weight, 0, unit="per rad")

@@ -23,19 +23,19 @@ from pydantic import (
     model_validator,
 )
 
+from ..errors import ArgumentError, GainFileError, UnknownNameError
 from ._feedback import IDENTITY, IkPid, StateSpace, StaticGain
-from .errors import ArgumentError, GainFileError, UnknownNameError
 
 __all__ = ["GainFile", "bundled", "load", "read", "write"]
 
-_FOLDER = Path(__file__).parent / "gains"
+_FOLDER = Path(__file__).parent / "bundled"
 _LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001}
 _ANGLES = {"rad": 1.0, "deg": math.pi / 180}
 _Row = list[FiniteFloat]
 _Rows = Annotated[list[_Row], Field(min_length=1)]
 _Count = Annotated[int, Field(ge=0)]
 _Number = Annotated[int, Field(ge=1)]
-_SolverT = TypeVar("_SolverT", IkPid, StateSpace, StaticGain)
+_SolverT = TypeVar("_SolverT")
 
 
 class _Table(BaseModel):
@@ -253,28 +253,13 @@ def _read(source: str | PathLike[str]) -> tuple[GainFile, StateSpace | StaticGai
 
 
 def load(source: str | PathLike[str], kind: type[_SolverT]) -> _SolverT:
-    """Return the solver of a gain file, which must be of the given kind.
-
-    Parameters
-    ----------
-    source : str or path
-        Path of a .toml or .json file, or the name of a bundled set.
-    kind : type
-        `StateSpace`, `StaticGain` or `IkPid`.
-
-    Returns
-    -------
-    solver
-        One attempt of at most 1,000 steps from the start the gains were tuned for.
-
-    Raises
-    ------
-    UnknownNameError, GainFileError
-        As `read`; also gains of another kind of solver.
-    """
+    """Return the solver of a gain file; see `agrik_fast.solvers.load_gains`."""
+    names: dict[object, str] = {known: known.name for known in (StateSpace, StaticGain, IkPid)}
+    if kind not in names:
+        raise ArgumentError("kind", repr(kind), "StateSpace, StaticGain or IkPid")
     _, solver = _read(source)
     if not isinstance(solver, kind):
-        message = f"holds gains for {solver.name!r}, not for {kind.name!r}"
+        message = f"holds gains for {solver.name!r}, not for {names[kind]!r}"
         raise GainFileError(str(source), message)
     return solver
 

@@ -1,33 +1,24 @@
-"""Tuning: finds the gains of a feedback solver for a robot.
-
-Particle swarms or CMA-ES, run in the compiled core, lower the mean cost over training
-goals: a tenth of a point per hundred steps; for a goal that is missed ten points and
-twenty per metre that is left. The best of them is refined by CMA-ES on four times as many
-goals of another stream, too many to learn by heart. What is kept is chosen on goals of a
-third stream, and tried on goals of a fourth.
-"""
+"""The search for gains, leg by leg, and the trial of what it finds."""
 
 from __future__ import annotations
 
 import dataclasses
-import json
-import os
 import time
-import zipfile
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ._checks import FloatArray, whole_number
-from ._feedback import IkPid, StateSpace, StaticGain, matrix_of
-from ._native import Tuner, __version__
-from .errors import ArgumentError, GainFileError, UnknownNameError
-from .gain_file import GainFile, SuccessTable, TrainingTable
+from .._checks import matrix, whole_number
+from .._native import Tuner, __version__
+from ..errors import UnknownNameError
+from ..robot import Robot
+from ..solvers import IkPid, StateSpace, StaticGain
+from ..solvers.gain_file import GainFile, SuccessTable, TrainingTable
+from ._checkpoint import PERIOD_S, Progress, prepare, restore, save
 from .goals import joint_uniform
-from .robot import Robot
 
 __all__ = ["Report", "Tuning", "template", "tune"]
 
@@ -46,7 +37,6 @@ _DEGREE = float(np.pi / 180)
 _CENTIMETRE = 0.01
 # Lengths that the published IK-PID gains belong to: the HydroLek's reach, m.
 _PID_REACH_M = 1.49
-CHECKPOINT_PERIOD_S = 2.0
 # The refinement: goals for one of a search, and the deviation it begins with.
 _MORE_GOALS = 4
 _REFINEMENT_SIGMA = 0.05
@@ -247,13 +237,13 @@ def template(robot: Robot, tuning: Tuning) -> Gains:
     gain = robot._chain.frozen_gain() * _CENTIMETRE / units[:, None]
     common |= {"length_unit_m": _CENTIMETRE, "angle_unit_rad": _DEGREE}
     if tuning.solver == "static-gain":
-        return StaticGain(K=matrix_of("K", gain), **common)
+        return StaticGain(K=matrix("K", gain), **common)
     # The signs are the published ones. Inputs of at most one leave the search room to grow
     # them: larger ones were seen to end in poorer sets.
     output = -float(np.abs(gain).max())
     eye = np.eye(robot.dof)
     matrices = {"A": 0.0 * eye, "B": gain / output, "C": output * eye}
-    common |= {name: matrix_of(name, m) for name, m in matrices.items()}
+    common |= {name: matrix(name, rows) for name, rows in matrices.items()}
     return StateSpace(**common)
 
 
@@ -295,15 +285,15 @@ def tune(
     """
     start_from = template(robot, tuning)
     legs = _legs(tuning)
-    progress = _Progress(identity=tuning.identity(robot))
-    state = None if checkpoint is None else _prepare(checkpoint, progress, resume)
+    progress = Progress(identity=tuning.identity(robot))
+    state = None if checkpoint is None else prepare(checkpoint, progress, resume)
     saved = time.monotonic()
     while progress.leg < len(legs):
         leg = legs[progress.leg]
         best = _with_gains(start_from, progress.gains)
         tuner = leg.tuner(robot, tuning, best if leg.from_best else start_from)
         if checkpoint is not None and state is not None:
-            _restore(checkpoint, tuner, state)
+            restore(checkpoint, tuner, state)
             state = None
         while tuner.evaluations < leg.evaluations:
             tuner.advance()
@@ -312,8 +302,8 @@ def tune(
                 ahead = sum(other.evaluations for other in legs[progress.leg + 1 :])
                 wanted = judged + max(leg.evaluations - tuner.evaluations, 0) + ahead
                 report(Report(evaluations=judged, wanted=wanted, cost=tuner.cost))
-            if checkpoint is not None and time.monotonic() - saved > CHECKPOINT_PERIOD_S:
-                _save(checkpoint, progress, tuner.state())
+            if checkpoint is not None and time.monotonic() - saved > PERIOD_S:
+                save(checkpoint, progress, tuner.state())
                 saved = time.monotonic()
         found = tuner.gains(tuner.best)
         score = _score(robot, tuning, _with_gains(start_from, found), *_validation(tuning))
@@ -401,76 +391,3 @@ def _success(gains: Gains, robot: Robot, tuning: Tuning) -> SuccessTable:
         max_iterations=gains.max_iterations,
         mean_iterations=mean,
     )
-
-
-@dataclass
-class _Progress:
-    """What is known of the searches that have ended."""
-
-    identity: dict[str, Any]
-    leg: int = 0
-    evaluations: int = 0
-    cost: float = float("inf")
-    """Of the best, on the validation goals."""
-    solved: int = 0
-    """Validation goals that the best reaches."""
-    gains: dict[str, Any] = field(default_factory=dict)
-    """The best, as a tuner gives it."""
-
-    def end_leg(self, tuner: Tuner, gains: dict[str, Any], score: tuple[float, int, int]) -> None:
-        self.leg += 1
-        self.evaluations += tuner.evaluations
-        cost, solved, _ = score
-        if cost < self.cost or not self.gains:
-            self.cost, self.solved, self.gains = cost, solved, gains
-
-
-def _prepare(path: Path, progress: _Progress, resume: bool) -> FloatArray | None:
-    """Take up the stored progress; returns the state of the run that had not ended."""
-    if not resume:
-        if path.exists():
-            message = "is the checkpoint of a run that did not end; resume it or remove it"
-            raise GainFileError(str(path), message)
-        return None
-    if not path.exists():
-        raise GainFileError(str(path), "no such checkpoint to resume")
-    try:
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
-            other = json.loads(str(stored["identity"]))
-            state: FloatArray = stored["state"]
-            leg, evaluations, solved = (int(x) for x in stored["counts"])
-            cost = float(stored["cost"])
-            found = json.loads(str(stored["gains"]))
-            gains = {name: np.array(value) for name, value in found.items()}
-    except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise GainFileError(str(path), f"is no whole checkpoint: {error}") from None
-    wanted = json.loads(json.dumps(progress.identity))
-    for key, value in wanted.items():
-        if other.get(key) != value:
-            message = f"belongs to another run: {key} {other.get(key)!r}, not {value!r}"
-            raise GainFileError(str(path), message)
-    progress.leg, progress.evaluations = leg, evaluations
-    progress.cost, progress.solved, progress.gains = cost, solved, gains
-    return state
-
-
-def _restore(path: Path, tuner: Tuner, state: FloatArray) -> None:
-    try:
-        tuner.restore(state)
-    except ArgumentError as error:
-        raise GainFileError(str(path), str(error)) from None
-
-
-def _save(path: Path, progress: _Progress, state: FloatArray) -> None:
-    gains = {name: np.asarray(value).tolist() for name, value in progress.gains.items()}
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    with temporary.open("wb") as stream:
-        np.savez(
-            stream,
-            identity=np.array(json.dumps(progress.identity)),
-            counts=np.array([progress.leg, progress.evaluations, progress.solved]),
-            cost=np.array(progress.cost),
-            state=state,
-            gains=np.array(json.dumps(gains)),
-        )
-    temporary.replace(path)

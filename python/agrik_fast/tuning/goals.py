@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ._checks import FloatArray, real_number, whole_number
-from .robot import Robot
+from .._checks import FloatArray, real_number, whole_number
+from ..robot import Robot
 
 __all__ = ["joint_uniform", "joint_uniform_q", "splitmix64", "volume_uniform"]
 

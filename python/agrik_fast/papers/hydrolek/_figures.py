@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks import FloatArray
-from ._output import figure, save
+from ..._checks import FloatArray
+from .._output import figure, save
 
 # Curves that coincide stay visible: the first is the widest.
 _STYLES = (("--", 3.5), ("-", 1.2), ("-.", 1.6))

@@ -1,29 +1,22 @@
-"""The HydroLek paper: Table II, figures 4 to 7, success counts, units, singular start.
-
-Burrell, Montazeri, Monk and Taylor, "Feedback Control-Based Inverse Kinematics Solvers for
-a Nuclear Decommissioning Robot". Every number is computed when `reproduce` is called;
-what the paper prints stands beside it.
-"""
+"""Tables of the HydroLek paper, its success counts and its planar arm, computed anew."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 
-from .._checks import FloatArray
-from .._feedback import Feedback, matrix_of
-from ..goals import joint_uniform, joint_uniform_q, volume_uniform
-from ..result import Status
-from ..robot import Robot
-from ..solvers import (
+from ..._checks import FloatArray, matrix
+from ...result import Status
+from ...robot import Robot
+from ...solvers import (
     Broyden,
     ClosedPseudoInverse,
     CyclicCoordinateDescent,
     DampedLeastSquares,
+    Feedback,
     IkPid,
     JacobianSolver,
     LevenbergMarquardt,
@@ -34,16 +27,9 @@ from ..solvers import (
     StaticGain,
     Transpose,
 )
-from ._hydrolek_published import (
-    DISPLACEMENT_M,
-    PLANAR_DEG,
-    SUCCESS,
-    TABLE_2_MS,
-    TOLERANCES_M,
-)
-from ._output import seconds_in_turns, write_csv, write_text
-
-__all__ = ["comparison", "error_trace", "planar_arm", "reproduce", "success_counts"]
+from ...tuning.goals import joint_uniform, volume_uniform
+from .._output import seconds_in_turns
+from ._published import DISPLACEMENT_M, PLANAR_DEG, SUCCESS, TABLE_2_MS, TOLERANCES_M
 
 CAP = 1000
 GOALS = 1000
@@ -79,7 +65,7 @@ def static_gain(name: str) -> StaticGain:
     """Return the gain that a bundled state space settles to."""
     source = StateSpace.load(name)
     return StaticGain(
-        K=matrix_of("K", source.static_gain()),
+        K=matrix("K", source.static_gain()),
         length_unit_m=source.length_unit_m,
         angle_unit_rad=source.angle_unit_rad,
         frame=source.frame,
@@ -308,87 +294,3 @@ def planar_claim() -> float:
     """Return the error of the published joint angles at (5, 0), m."""
     point = planar_arm().fk(np.deg2rad(PLANAR_DEG))[:3, 3]
     return float(np.linalg.norm(point - np.array([5.0, 0.0, 0.0])))
-
-
-def reproduce(directory: Path, report: Callable[[str], None] | None = None) -> list[Path]:
-    """Write the paper's tables (CSV) and figures (PNG, SVG) and return the files.
-
-    Parameters
-    ----------
-    directory : Path
-        An existing folder, or one to be made.
-    report : callable, optional
-        Told in a few words what is being made.
-
-    Returns
-    -------
-    list of Path
-        The files.
-
-    Raises
-    ------
-    AgrikError
-        Matplotlib is missing.
-    """
-    from . import _hydrolek_figures as figures
-
-    say = report or (lambda _: None)
-    directory.mkdir(parents=True, exist_ok=True)
-    robot = Robot.load("hydrolek")
-    goals = joint_uniform(robot, GOALS, 1)
-    files = []
-    header = TABLE_2_COLUMNS
-    for start in SIDES:
-        say(f"Table II, start {start}")
-        rows = comparison(robot, goals, start)
-        files.append(write_csv(directory / f"table2_{start}.csv", header, rows))
-    say("success counts")
-    rows = success_counts(robot)
-    head = ["method", "start", "published", "J1", "J11", "J12", "V"]
-    files.append(write_csv(directory / "success.csv", head, rows))
-    rows = units(robot)
-    head = ["units", "start", "kp_0.0847", "kp_0.02", "tuned"]
-    files.append(write_csv(directory / "units.csv", head, rows))
-    files += figures.units(directory, rows)
-    say("singular start")
-    rows = singular_start()
-    head = ["solver", "start", "status", "iterations", "error_m", "q_deg", "reached_of_1000"]
-    files.append(write_csv(directory / "singular_start.csv", head, rows))
-    say("figures 4 to 7")
-    goal = displaced_goal(robot, "zero")
-    hot = IkPid.load("hydrolek_pid_published_hot")
-    traces = {
-        f"Kp = {kp}": error_trace(robot, replace(hot, kp=kp), goal, "zero", 60, 1e-4)
-        for kp in (0.0848, 0.0847, 0.02)
-    }
-    files += figures.error_traces(directory, "figure4", {"IK-PID, Ki = Kd = 0": traces}, "sweeps")
-    sets = {"trial and error": "hydrolek_trial_published", "optimised": "hydrolek_full90_pso"}
-    panels = {
-        title: {title: error_trace(robot, StateSpace.load(name), goal, "zero", 400, 1e-4)}
-        for title, name in sets.items()
-    }
-    files += figures.error_traces(directory, "figure5", panels, "iterations")
-    solver = StateSpace.load("hydrolek_full90_pso")
-    answer = robot.ik(goals, solver=solver, position_tolerance=1e-3)
-    turn = robot.frames["paper"][:3, :3]
-    files += figures.workspace(directory, goals @ turn.T, answer.success)
-    arm = planar_arm()
-    found = arm.ik(
-        np.array([5.0, 0.0, 0.0]), solver=StateSpace.load("planar3_claim"), position_tolerance=0.02
-    )
-    cloud = arm.fk(joint_uniform_q(arm, 4000, 3))[:, :2, 3]
-    files += figures.planar(directory, cloud, arm.fk_links(found.q)[:, :2, 3])
-    files.append(_summary(directory, found.q))
-    return files
-
-
-def _summary(directory: Path, planar_q: FloatArray) -> Path:
-    angles = ", ".join(f"{angle:.1f}" for angle in np.rad2deg(planar_q))
-    published = ", ".join(map(str, PLANAR_DEG))
-    lines = [
-        "table2_*.csv: Table II on goals drawn uniformly in the joint limits; one thread.",
-        "success.csv: goals reached of 1,000; units.csv: what units the gains can be in.",
-        f"Planar arm at (5, 0): ({angles}) degrees; published ({published}) degrees,",
-        f"which miss the goal by {planar_claim():.4f} link units.",
-    ]
-    return write_text(directory / "README.txt", lines)

@@ -1,4 +1,4 @@
-"""Tables as CSV and Markdown, figures as PNG and SVG."""
+"""Figures of the paper on redundant7."""
 
 from __future__ import annotations
 
@@ -6,29 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from .._output import figure, save, write_csv, write_text
-from .experiments import PUBLISHED_COST, PUBLISHED_MEAN, Repeated, SinglePoint, Table
+from .._output import figure, save
+from ._published import PUBLISHED_COST, PUBLISHED_MEAN
+from ._tables import Repeated, SinglePoint
 
 GOOD, BAD = "#2a7f62", "#b5462f"
-
-
-def table(folder: Path, name: str, content: Table) -> list[Path]:
-    """Write a table; return its files."""
-    as_csv, as_text = folder / f"{name}.csv", folder / f"{name}.md"
-    write_csv(as_csv, content.columns, content.rows)
-    lines = [
-        f"**{content.title}**",
-        "",
-        _row(content.columns),
-        _row(("---",) * len(content.columns)),
-    ]
-    lines += [_row(row) for row in content.rows]
-    write_text(as_text, lines)
-    return [as_csv, as_text]
-
-
-def _row(cells: tuple[str, ...]) -> str:
-    return f"| {' | '.join(cells)} |"
 
 
 def convergence(folder: Path, content: SinglePoint) -> list[Path]:

@@ -1,16 +1,12 @@
-"""Li et al., "Inverse Kinematics Study for Intelligent Agriculture Robot Development via
-Differential Evolution Algorithm": the single-point test (figure 3), the repetitive test
-(figure 4) with the runs that fail, and what of the recipe matters.
-"""  # noqa: D205 - the title does not fit one line
+"""All files of the paper on redundant7."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
 
-from . import experiments, output
-
-__all__ = ["reproduce"]
+from . import _figures, _tables
+from ._tables import write_table
 
 REPEATS = 1000
 """Seeds of the long repetitive test, targets of the comparison, runs a row of the ablation."""
@@ -40,23 +36,23 @@ def reproduce(
     say = report or (lambda _: None)
     files: list[Path] = []
 
-    lengths = experiments.lengths()
-    files += output.table(folder, "lengths", lengths)
+    lengths = _tables.lengths()
+    files += write_table(folder, "lengths", lengths)
     say("lengths and angles of the published joint vector (section 2)")
 
-    single = experiments.single_point()
-    files += output.table(folder, "single_point", single.table)
-    files += output.convergence(folder, single)
+    single = _tables.single_point()
+    files += write_table(folder, "single_point", single.table)
+    files += _figures.convergence(folder, single)
     say(f"single-point test (figure 3): cost {single.costs[-1]:.2e} after 200 generations")
 
-    repeated = experiments.repeated(max(repeats, 30))
-    files += output.table(folder, "repeated", repeated.table)
-    files += output.thirty(folder, repeated)
-    files += output.histogram(folder, repeated)
+    repeated = _tables.repeated(max(repeats, 30))
+    files += write_table(folder, "repeated", repeated.table)
+    files += _figures.thirty(folder, repeated)
+    files += _figures.histogram(folder, repeated)
     say(f"repetitive test (figure 4): {repeated.share:.1%} of {len(repeated.costs)} runs succeed")
 
-    files += output.table(folder, "ablation", experiments.ablation(repeats))
+    files += write_table(folder, "ablation", _tables.ablation(repeats))
     say("ablation of the recipe")
-    files += output.table(folder, "comparison", experiments.comparison(repeats))
+    files += write_table(folder, "comparison", _tables.comparison(repeats))
     say("differential evolution beside the step solver on random targets")
     return files

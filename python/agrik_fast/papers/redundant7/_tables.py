@@ -1,4 +1,4 @@
-"""The runs behind the tables and figures."""
+"""The runs behind the tables and figures, and the tables as files."""
 
 from __future__ import annotations
 
@@ -7,30 +7,27 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...euler import pose_from_zyz, zyz_differences, zyz_from_pose
-from ...population import DifferentialEvolution, GeneticAlgorithm
+from ..._checks import FloatArray
 from ...robot import Robot
-from ...solvers import LevenbergMarquardt, Solver
+from ...rotations import pose as pose_of
+from ...rotations import zyz_differences, zyz_of
+from ...solvers import DifferentialEvolution, GeneticAlgorithm, LevenbergMarquardt, Solver
+from .._output import write_csv, write_text
+from ._published import (
+    ANGLES,
+    FITTED_LENGTHS,
+    POSITION,
+    PUBLISHED_COST,
+    PUBLISHED_MEAN,
+    PUBLISHED_Q,
+)
 
-FloatArray = NDArray[np.float64]
-
-POSITION = (0.334, 0.471, 0.539)
-"""The paper's target, m."""
-ANGLES = (math.pi / 2, math.pi / 4, math.pi / 6)
-"""Its ZYZ angles, rad."""
-PUBLISHED_Q = (-0.1463, 2.0494, 1.9414, 1.9062, 0.4786, 0.4610, -1.6490)
-"""The paper's answer, rad."""
-PUBLISHED_COST = 6.65e-6
-"""Cost of the paper's single run after 200 generations."""
-PUBLISHED_MEAN = 1.27e-6
-"""Mean cost of the paper's 30 runs."""
-FITTED_LENGTHS = (0.400, 0.450, 0.450, 0.200)
-"""d1, d3, d5, d7 in m, with which that answer meets the paper's position."""
 TOLERANCE: dict[str, Any] = {"position_tolerance": 1e-4, "orientation_tolerance": 1e-3}
 """A run succeeds within 0.1 mm and 1e-3 rad."""
 NEAR_LIMIT = 1e-3
@@ -86,14 +83,14 @@ def fitted_arm() -> Robot:
 
 def target() -> FloatArray:
     """Return the paper's target as a pose."""
-    return pose_from_zyz(POSITION, ANGLES)
+    return pose_of(POSITION, zyz=ANGLES)
 
 
 def cost(robot: Robot, q: FloatArray, pose: FloatArray) -> FloatArray:
     """Return the published cost (9) in the adopted weights: mm + 100 rad of ZYZ angles."""
     found = robot.fk(q)
     distance = np.linalg.norm(found[..., :3, 3] - pose[:3, 3], axis=-1)
-    angles = zyz_differences(zyz_from_pose(found).angles, zyz_from_pose(pose).angles)
+    angles = zyz_differences(zyz_of(found).angles, zyz_of(pose).angles)
     total: FloatArray = 1000.0 * distance + 100.0 * np.linalg.norm(angles, axis=-1)
     return total
 
@@ -106,7 +103,7 @@ def lengths() -> Table:
     for name, robot in (("Table I", arm()), ("d = 400, 450, 450, 200 mm", fitted_arm())):
         pose = robot.fk(PUBLISHED_Q)
         position = [f"{1000 * x:.3f}" for x in pose[:3, 3]]
-        angles = [f"{x:.5f}" for x in zyz_from_pose(pose).angles]
+        angles = [f"{x:.5f}" for x in zyz_of(pose).angles]
         rows.append((name, *position, *angles))
     columns = ("lengths", "x [mm]", "y [mm]", "z [mm]", "alpha", "beta", "gamma")
     return Table("Where the published joint vector leads", columns, [tuple(r) for r in rows])
@@ -260,3 +257,22 @@ def comparison(count: int) -> Table:
 
 def _lshade(paper: DifferentialEvolution) -> DifferentialEvolution:
     return dataclasses.replace(paper, adaptation="lshade", orientation="rotation-vector")
+
+
+def write_table(folder: Path, name: str, content: Table) -> list[Path]:
+    """Write a table; return its files."""
+    as_csv, as_text = folder / f"{name}.csv", folder / f"{name}.md"
+    write_csv(as_csv, content.columns, content.rows)
+    lines = [
+        f"**{content.title}**",
+        "",
+        _row(content.columns),
+        _row(("---",) * len(content.columns)),
+    ]
+    lines += [_row(row) for row in content.rows]
+    write_text(as_text, lines)
+    return [as_csv, as_text]
+
+
+def _row(cells: tuple[str, ...]) -> str:
+    return f"| {' | '.join(cells)} |"

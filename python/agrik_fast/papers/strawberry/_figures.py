@@ -7,10 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from .._checks import FloatArray
-from ..closed_form import StrawberryArm
-from . import strawberry as paper
-from ._output import figure, save
+from ..._checks import FloatArray
+from ...arms import StrawberryArm
+from .._output import figure, save
+from ._published import (
+    SPHERE_CENTRE,
+    SPHERE_RADIUS,
+    TABLE4_COLUMNS,
+    TABLE4_TARGETS,
+    Column,
+    targets,
+)
 
 NAMES = {"as": "AS", "ssas": "SSAS", "ncos": "NCOS", "exact": "exact minimum"}
 QUADRANT_COLORS = ("#2a7f62", "#c0532b", "#3b5ba5", "#8a4f9e")
@@ -22,10 +29,10 @@ def figure2(directory: Path) -> list[Path]:
     """Draw the circle that the plant covers, from above, with the targets of table 3."""
     drawing = figure(5.2, 5.0)
     axes = drawing.add_subplot()
-    points = 1000 * paper.targets()
-    x, y = 1000 * paper.SPHERE_CENTRE[:2]
+    points = 1000 * targets()
+    x, y = 1000 * SPHERE_CENTRE[:2]
     angle = np.linspace(0, 2 * np.pi, 181)
-    radius = 1000 * paper.SPHERE_RADIUS
+    radius = 1000 * SPHERE_RADIUS
     axes.plot(x + radius * np.cos(angle), y + radius * np.sin(angle), color="#444444")
     axes.axhline(y, color="#999999", linewidth=0.6)
     axes.axvline(x, color="#999999", linewidth=0.6)
@@ -86,8 +93,8 @@ def draw_pose(
     axes.plot(*points.T, "-o", color=LINKS, linewidth=2.5, markersize=4)
     axes.plot(*(1000 * target), "x", color=TARGET, markersize=7)
     u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 25), np.linspace(0, np.pi, 13))
-    cx, cy, cz = 1000 * paper.SPHERE_CENTRE
-    radius = 1000 * paper.SPHERE_RADIUS
+    cx, cy, cz = 1000 * SPHERE_CENTRE
+    radius = 1000 * SPHERE_RADIUS
     axes.plot_surface(
         cx + radius * np.cos(u) * np.sin(v),
         cy + radius * np.sin(u) * np.sin(v),
@@ -157,7 +164,7 @@ def _legend(close: bool) -> list[Any]:
 
 
 def pose(
-    directory: Path, name: str, target: FloatArray, method: paper.Column, arm: StrawberryArm
+    directory: Path, name: str, target: FloatArray, method: Column, arm: StrawberryArm
 ) -> list[Path]:
     """Draw the mechanism as a method places it for one target."""
     drawing = figure(6.4, 5.4)
@@ -174,8 +181,8 @@ def pose(
 def table4(directory: Path, arm: StrawberryArm) -> list[Path]:
     """Draw the poses of table 4: two targets by every method."""
     drawing = figure(15, 9)
-    for row, target in enumerate(paper.TABLE4_TARGETS):
-        for column, method in enumerate(paper.TABLE4_COLUMNS):
+    for row, target in enumerate(TABLE4_TARGETS):
+        for column, method in enumerate(TABLE4_COLUMNS):
             axes = drawing.add_subplot(2, 4, 4 * row + column + 1, projection="3d")
             # The label of its neighbour's z axis reaches into a panel.
             axes.patch.set_visible(False)

@@ -1,75 +1,35 @@
-"""Defterli and Xu (2017), the strawberry handling arm: its tables and figures.
+"""Tables 3 and 4 of the strawberry paper and its experiments, computed anew.
 
-"Analytical solution of a five-degree-of-freedom inverse kinematics problem for the handling
-mechanism of an agricultural robot", Int. J. Mechanisms and Robotic Systems 4(1), 43-60.
 Tables here are in the paper's units (mm, mJ = N mm); the library's are m and J.
 """
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from .._checks import FloatArray
-from ..closed_form import Command, StrawberryArm
-from ._output import best_seconds, write_csv, write_text
-
-__all__ = [
-    "EXPERIMENT_ROWS",
-    "SPHERE_CENTRE",
-    "SPHERE_RADIUS",
-    "Cell",
-    "execution_time",
-    "experiments",
-    "published",
-    "reproduce",
-    "table3",
-    "targets",
-]
-
-Column = Literal["ncos", "ssas", "as", "exact"]
-COLUMNS: tuple[Column, ...] = ("ncos", "ssas", "as", "exact")
-
-SPHERE_CENTRE = np.array([0.5, 0.3675, -0.395])
-"""Centre of the plant sphere, m; fitted to table 3."""
-
-SPHERE_RADIUS = 0.1
-"""Radius of the plant sphere, m; fitted to table 3."""
-
-FIGURE_TARGET = np.array([0.426, 0.345, -0.33161])
-"""Target of figures 4 to 6, m."""
-
-TABLE4_TARGETS = np.array([[0.580, 0.310, -0.3779], [0.565, 0.420, -0.3401]])
-"""Targets of table 4, m."""
-
-EXPERIMENT_ROWS = (1, 2, 9, 7, 13, 11, 16, 17)
-"""Rows of table 3 for the experiments, two a quadrant: the paper names only two of its
-eight targets (rows 9 and 13); the others are our choice."""
-
-SLIDE_SPEED = 0.374
-"""Belt speed, m/s, at the motors' 200 rpm: 22 teeth of 5.1 mm pitch a turn."""
-
-SERVO_SPEED = math.radians(60) / 0.21
-"""HS-422 without load at 4.8 V, rad/s; data sheet value from memory."""
-
-GRIPPER_TIME = 0.25
-"""Opening or closing, s; assumed."""
-
-TABLE4_COLUMNS: tuple[Column, ...] = ("ncos", "as", "ssas", "exact")
-"""Methods of table 4, and the exact minimum."""
-
-PUBLISHED_TABLE4_S = ({"ncos": 6.0, "as": 4.0, "ssas": 4.0}, {"ncos": 4.0, "as": 6.0, "ssas": 6.0})
-"""Execution times of the two targets of table 4, s."""
-
-PUBLISHED_MEANS_S = {"ncos": 5.5, "ssas": 4.95, "as": 4.875}
-"""Mean execution times of the 24 experiments, s."""
+from ..._checks import FloatArray
+from ...arms import Command, StrawberryArm
+from .._output import best_seconds, write_csv, write_text
+from ._published import (
+    COLUMNS,
+    EXPERIMENT_ROWS,
+    GRIPPER_TIME,
+    PUBLISHED_MEANS_S,
+    PUBLISHED_TABLE4_S,
+    SERVO_SPEED,
+    SLIDE_SPEED,
+    TABLE4_COLUMNS,
+    TABLE4_TARGETS,
+    Column,
+    published,
+    targets,
+)
 
 
 class Cell(NamedTuple):
@@ -110,30 +70,6 @@ class Experiment:
     column: Column
     seconds: float
     steps: tuple[Command, ...]
-
-
-def published() -> list[dict[str, float]]:
-    """Return table 3 as printed, one dict a row: mm, mJ, s and percent."""
-    file = resources.files(__package__) / "data" / "strawberry_table3.csv"
-    rows = csv.DictReader(file.read_text(encoding="utf-8").splitlines())
-    return [{name: float(value) for name, value in row.items()} for row in rows]
-
-
-def targets(*, printed: bool = False) -> FloatArray:
-    """Return the 20 targets of table 3, shape (20, 3), m.
-
-    Parameters
-    ----------
-    printed : bool, default False
-        The z that the table prints, rounded to 0.1 mm, instead of the sphere's, with which
-        the published energies were computed.
-    """
-    rows = published()
-    points = np.array([[row["x"], row["y"], row["z"]] for row in rows]) / 1000
-    if not printed:
-        off = points[:, :2] - SPHERE_CENTRE[:2]
-        points[:, 2] = SPHERE_CENTRE[2] + np.sqrt(SPHERE_RADIUS**2 - (off**2).sum(axis=1))
-    return points
 
 
 def table3(arm: StrawberryArm | None = None, *, printed: bool = False) -> list[Cell]:
@@ -291,7 +227,8 @@ def _table4_rows(arm: StrawberryArm) -> list[tuple[object, ...]]:
     return lines
 
 
-def _write_tables(directory: Path, arm: StrawberryArm) -> list[Path]:
+def write_tables(directory: Path, arm: StrawberryArm) -> list[Path]:
+    """Write tables 3 and 4, the experiments and the report; return the files."""
     cells = table3(arm)
     times = times_ns(arm)
     runs = experiments()
@@ -345,39 +282,3 @@ def experiment_report(runs: Sequence[Experiment]) -> list[str]:
         half = np.mean([run.seconds for run in slow if run.column == column])
         lines.append(f"| {column} | {full:.2f} | {PUBLISHED_MEANS_S[column]:.3f} | {half:.2f} |")
     return lines
-
-
-def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -> list[Path]:
-    """Write tables 3 and 4, figures 2 and 4-6, table 4's poses and the 24 experiments.
-
-    Parameters
-    ----------
-    directory : Path
-        Folder, made if need be; files of the same names are replaced.
-    report : callable, optional
-        Told what is being worked on.
-
-    Returns
-    -------
-    list of Path
-        The files.
-    """
-    from . import _strawberry_figures as figures
-
-    say = report or (lambda line: None)
-    directory.mkdir(parents=True, exist_ok=True)
-    arm = StrawberryArm()
-    say("tables and experiments")
-    files = _write_tables(directory, arm)
-    say("figures")
-    files += figures.figure2(directory)
-    poses: dict[str, Column] = {
-        "figure4": "as",
-        "figure5": "ssas",
-        "figure6": "ncos",
-        "exact": "exact",
-    }
-    for name, method in poses.items():
-        files += figures.pose(directory, name, FIGURE_TARGET, method, arm)
-    files += figures.table4(directory, arm)
-    return files

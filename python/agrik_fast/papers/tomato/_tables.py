@@ -1,70 +1,32 @@
-"""Kviesis and Osadcuks, the tomato pointing arm: its table, figures and torques.
-
-"Development of robot manipulator and motion control using inverse kinematics for robotized
-vegetable harvesting". The paper prints neither link lengths nor start, targets, step or
-tolerance; what is needed of these is a fit or a choice of ours and named as such.
-"""
+"""Table 1 of the tomato paper, its errors and its torques, computed anew."""
 
 from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from .._checks import FloatArray
-from ..closed_form import Load, Servo, TomatoArm, TransposeStepWarning, holding_torques
-from ..closed_form.torques import HD_6001HB, HS_311
-from ._output import best_seconds, figure, save, write_csv, write_text
-
-__all__ = [
-    "FITS",
-    "PUBLISHED",
-    "ErrorSizes",
-    "Published",
-    "Row",
-    "monte_carlo",
-    "reproduce",
-    "table1",
-    "targets",
-]
+from ..._checks import FloatArray
+from ...arms import (
+    HD_6001HB,
+    HS_311,
+    Load,
+    Servo,
+    TomatoArm,
+    TransposeStepWarning,
+    holding_torques,
+)
+from .._output import best_seconds, write_csv, write_text
+from ._published import PUBLISHED
 
 TOLERANCE = 5e-4
 """Distance that counts as reached, m; our choice."""
-
-
-class Published(NamedTuple):
-    """A row of the paper's table 1 and its position error.
-
-    Attributes
-    ----------
-    milliseconds : float
-        Execution time on an Athlon 64 X2 at 2.6 GHz, C#.
-    iterations : int
-        Iterations.
-    error_percent : float
-        Mean position error; NaN where the text gives none (figure 8 is missing).
-    """
-
-    milliseconds: float
-    iterations: int
-    error_percent: float
-
-
-PUBLISHED: Mapping[str, Published] = MappingProxyType(
-    {
-        "inverse": Published(0.59, 316, 1.95),
-        "transpose": Published(0.07, 35, 2.6),
-        "pinv": Published(7.1, 507, math.nan),
-        "analytic": Published(0.0007, 1, 1.95),
-    }
-)
-"""Table 1 and the errors named in the text; 2.6 is given as the maximum."""
 
 FITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
@@ -260,90 +222,8 @@ def torque_report() -> list[str]:
     return lines
 
 
-def _draw_figure8(directory: Path, draws: Mapping[str, FloatArray]) -> list[Path]:
-    drawing = figure(8.4, 3.6)
-    bars, spread = drawing.subplots(1, 2)
-    place = np.arange(len(draws))
-    means = [float(values.mean()) for values in draws.values()]
-    bars.bar(place - 0.2, means, 0.4, label="Monte Carlo mean", color="#2a7f62")
-    paper = [PUBLISHED[method].error_percent for method in draws]
-    bars.bar(
-        place + 0.2,
-        np.nan_to_num(paper),
-        0.4,
-        label="published (transpose: maximum)",
-        color="#c9c9c9",
-    )
-    bars.set_ylim(0.0, 3.3)  # room for the legend
-    for at, value in zip(place, paper, strict=True):
-        if math.isnan(value):
-            bars.text(at + 0.2, 0.05, "not given", rotation=90, ha="center", fontsize=8)
-    bars.set_xticks(place, list(draws))
-    bars.set_ylabel("position error [% of distance]")
-    bars.legend(fontsize=8)
-    # The same edges for all: what differs is the draws, not where bins begin.
-    edges = np.linspace(0.0, max(float(values.max()) for values in draws.values()), 51)
-    for (method, values), style in zip(draws.items(), ("-", "-", "--", "-"), strict=True):
-        spread.hist(values, bins=edges, histtype="step", linestyle=style, label=method)
-    spread.set_xlabel("position error [% of distance]")
-    spread.set_ylabel("draws")
-    spread.legend(fontsize=8)
-    drawing.suptitle("Figure 8: error sizes are assumed, so this shows plausibility", fontsize=10)
-    return save(drawing, directory, "figure8")
-
-
-def _draw_arm(directory: Path) -> list[Path]:
-    from matplotlib.ticker import MultipleLocator
-
-    drawing = figure(6.4, 5.6)
-    axes = drawing.add_subplot(projection="3d")
-    arm = TomatoArm(lower=[-math.pi] * 3, upper=[math.pi] * 3)
-    target = np.array([0.19, 0.06, 0.10])
-    styles = {"up": "-", "down": "-", "up_flip": ":", "down_flip": ":"}
-    for (name, style), q in zip(styles.items(), arm.branches(target).q, strict=True):
-        c, s = np.cos(q[2]), np.sin(q[2])
-        r, z = arm.l1 * np.cos(q[0]), arm.l1 * np.sin(q[0])
-        points = np.array([[0.0, 0.0, 0.0], [r * c, r * s, z], arm.fk(q)])
-        # A flipped arm lies on another one: dotted, with larger and empty marks.
-        marks = {"marker": "s", "markersize": 9, "fillstyle": "none"} if style == ":" else {}
-        axes.plot(*points.T, style, **{"marker": "o", **marks}, label=name)
-    axes.plot(*target, "*", color="#d01c1c", markersize=12, label="target")
-    axes.plot([0, 0], [0, 0], [-0.1, 0], color="#555555", linewidth=5, label="pan axis")
-    axes.set_xlim(-0.1, 0.25)
-    axes.set_ylim(-0.15, 0.2)
-    axes.set_zlim(-0.1, 0.25)
-    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        axis.set_major_locator(MultipleLocator(0.1))
-    axes.set_xlabel("x [m]")
-    axes.set_ylabel("y [m]")
-    axes.set_zlabel("z [m]")
-    drawing.legend(fontsize=8, loc="outside lower center", ncols=6)
-    axes.set_title(
-        "All branches of one target: with the pan half a turn round\n"
-        "the same elbow points are reached by other angles (dotted)",
-        fontsize=9,
-    )
-    return save(drawing, directory, "arm")
-
-
-def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -> list[Path]:
-    """Write table 1, figure 8, the torque table and a picture of the arm.
-
-    Parameters
-    ----------
-    directory : Path
-        Folder, made if need be; files of the same names are replaced.
-    report : callable, optional
-        Told what is being worked on.
-
-    Returns
-    -------
-    list of Path
-        The files.
-    """
-    say = report or (lambda line: None)
-    directory.mkdir(parents=True, exist_ok=True)
-    say("table 1")
+def write_table1(directory: Path) -> list[Path]:
+    """Write table 1 and the report; return the files."""
     rows = table1()
     text = [
         "# Table 1: published and computed anew",
@@ -368,14 +248,6 @@ def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -
         lines.append((*ours, f"{row.microseconds:.3f}", time))
     header = ["method", "setting", "setting_is", "iterations", "published_iterations"]
     text += ["", *torque_report()]
-    say("figure 8")
-    draws = {method: monte_carlo(method) for method in PUBLISHED}
-    errors = []
-    for method, paper in PUBLISHED.items():
-        values = draws[method]
-        high = float(np.percentile(values, 95))
-        errors.append((method, f"{values.mean():.3f}", f"{high:.3f}", paper.error_percent))
-    servo_rows = [_servo_row("shoulder, elbow", HD_6001HB), _servo_row("pan", HS_311)]
     return [
         write_csv(
             directory / "table1.csv",
@@ -383,11 +255,24 @@ def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -
             lines,
         ),
         write_text(directory / "report.md", text),
-        write_csv(
-            directory / "figure8.csv",
-            ["method", "mean_percent", "percentile95_percent", "published_percent"],
-            errors,
-        ),
+    ]
+
+
+def write_figure8(directory: Path, draws: Mapping[str, FloatArray]) -> Path:
+    """Write the errors of `monte_carlo` by method."""
+    errors = []
+    for method, paper in PUBLISHED.items():
+        values = draws[method]
+        high = float(np.percentile(values, 95))
+        errors.append((method, f"{values.mean():.3f}", f"{high:.3f}", paper.error_percent))
+    header = ["method", "mean_percent", "percentile95_percent", "published_percent"]
+    return write_csv(directory / "figure8.csv", header, errors)
+
+
+def write_torques(directory: Path) -> list[Path]:
+    """Write the torque table and the servos; return the files."""
+    servo_rows = [_servo_row("shoulder, elbow", HD_6001HB), _servo_row("pan", HS_311)]
+    return [
         write_csv(
             directory / "torques.csv",
             ["case", "shoulder_nm", "elbow_nm", "shoulder_factor", "elbow_factor", "enough"],
@@ -398,8 +283,6 @@ def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -
             ["joints", "servo", "torque_nm", "mass_kg", "speed_rad_s", "source"],
             servo_rows,
         ),
-        *_draw_figure8(directory, draws),
-        *_draw_arm(directory),
     ]
 
 
