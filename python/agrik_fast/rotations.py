@@ -396,7 +396,7 @@ def _check_lengths(quat: FloatArray) -> None:
 
 
 def _checked_rotation(poses: ArrayLike) -> FloatArray:
-    """Return the rotations of poses; a finite one that is no rotation is refused."""
+    """Return the rotations of poses, NaN where one is not finite; what is none is refused."""
     rotation = rotation_of(poses)
     finite = np.asarray(np.isfinite(rotation).all(axis=(-2, -1)))
     wrong = finite & ~_rotations.are_rotations(rotation)
@@ -407,4 +407,5 @@ def _checked_rotation(poses: ArrayLike) -> FloatArray:
             str(rotation[place].tolist()),
             "a rotation (right-handed orthonormal rows; `straighten` mends rounded ones)",
         )
-    return rotation
+    whole: FloatArray = np.where(finite[..., None, None], rotation, np.nan)
+    return whole

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from agrik_fast import Status
 from agrik_fast.io import ResultChunk, ResultFileError, ResultLayout, open_results, read_results
 
 SUFFIXES = [".csv", ".npy", ".npz", ".parquet"]
@@ -19,7 +20,7 @@ def write(path: Path, text: str) -> Path:
 def results(count: int, first: int = 1, text_ids: bool = False) -> ResultChunk:
     random = np.random.default_rng(first)
     ids = np.arange(first, first + count)
-    status = (np.arange(count) % 4).astype(np.int8)
+    status = (np.arange(count) % len(Status)).astype(np.int8)
     return ResultChunk(
         ids=np.array([f"row {k}" for k in ids]) if text_ids else ids,
         q=np.where(status[:, None] == 3, np.nan, random.normal(size=(count, 2))),

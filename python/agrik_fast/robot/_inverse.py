@@ -58,7 +58,8 @@ class InverseKinematics:
             (..., 4, 4), "position" for (..., 3).
         solver : solver or a name, default "lm"
             How to get there, see `agrik_fast.solvers`; names are "lm", "dls", "pinv",
-            "transpose", "de", "ga", "closed_form" (full poses of arms that have one, see
+            "pinv-closed", "transpose", "ccd", "ik-pid", "state-space", "static-gain",
+            "broyden", "de", "ga", "closed_form" (full poses of arms that have one, see
             `closed_form`) and "auto", the closed form where there is one, else "lm".
         q0 : array_like, shape broadcastable to (..., n), rad or m, optional
             Start values of the first attempt. Default: chosen from the seed.
