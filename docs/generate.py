@@ -4,6 +4,7 @@ import dataclasses
 import math
 from pathlib import Path
 
+import architecture_picture
 import matplotlib as mpl
 import numpy as np
 
@@ -220,6 +221,7 @@ def main(folder: Path) -> None:
     tomato.reproduce(folder / "papers" / "tomato")
     hydrolek.reproduce(folder / "papers" / "hydrolek")
     redundant7.reproduce(folder / "papers" / "redundant7", repeats=200)
+    architecture_picture.main(folder / "architecture")
     methods = folder / "methods"
     methods.mkdir(exist_ok=True)
     draw_laws(methods)
