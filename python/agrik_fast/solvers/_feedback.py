@@ -363,7 +363,6 @@ class Broyden(FeedbackLoop):
 
     def __post_init__(self) -> None:
         _check_gain(self)
-        whole_number("Broyden.patience", self.patience, 1, LARGEST_COUNT)
         _check_meaning(self)
         _check_axes(self)
         FeedbackLoop.__post_init__(self)

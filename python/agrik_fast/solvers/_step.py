@@ -43,10 +43,6 @@ class LevenbergMarquardt(JacobianLoop):
     max_iterations: int = 10
     max_restarts: int = 100
 
-    def __post_init__(self) -> None:
-        real_number("LevenbergMarquardt.damping", self.damping, 0, open_low=True)
-        JacobianLoop.__post_init__(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DampedLeastSquares(JacobianLoop):
@@ -81,10 +77,6 @@ class DampedLeastSquares(JacobianLoop):
     max_iterations: int = 60
     max_restarts: int = 100
 
-    def __post_init__(self) -> None:
-        real_number("DampedLeastSquares.damping", self.damping, 0, open_low=True, unit="m")
-        JacobianLoop.__post_init__(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PseudoInverse(JacobianLoop):
@@ -112,12 +104,6 @@ class PseudoInverse(JacobianLoop):
     cutoff: float = 0.001
     max_iterations: int = 60
     max_restarts: int = 100
-
-    def __post_init__(self) -> None:
-        cutoff = real_number("PseudoInverse.cutoff", self.cutoff, 0, 1, open_low=True)
-        if cutoff == 1:
-            raise ArgumentError("PseudoInverse.cutoff", "1.0", "a finite number > 0 and < 1")
-        JacobianLoop.__post_init__(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -286,10 +286,11 @@ fn random_spherical_wrists_find_structured_postures() {
         let chain = spherical(&mut sampler);
         let one = tally(&chain, postures(400), &mut sampler);
         println!("{one:?}");
-        if shows() && one[0].not_found > 0 {
-            if let Ok(ClosedForm::SphericalWrist(arm)) = ClosedForm::of(&chain) {
-                println!("^ {:?} {:?}", arm.kind(), arm.geometry().links);
-            }
+        if shows()
+            && one[0].not_found > 0
+            && let Ok(ClosedForm::SphericalWrist(arm)) = ClosedForm::of(&chain)
+        {
+            println!("^ {:?} {:?}", arm.kind(), arm.geometry().links);
         }
         sum = [sum[0].plus(one[0]), sum[1].plus(one[1])];
     }
