@@ -26,6 +26,20 @@ def test_there_are_examples() -> None:
     assert "getting-started" in [page.stem for page in PAGES]
 
 
+def test_scripts_named_in_pages_exist(repo_root: Path) -> None:
+    pages = [repo_root / "README.md", repo_root / "CONTRIBUTING.md", *DOCS.rglob("*.md")]
+    script = re.compile(r"(?:tests|python|examples|benches|tools)/[\w/]+\.py\b")
+    named = {
+        path
+        for page in pages
+        if not {"_build", "_generated"} & set(page.parts)
+        for path in script.findall(page.read_text("utf-8"))
+        if "xyz" not in path  # stands for the format that a recipe adds
+    }
+    assert len(named) > 10
+    assert [path for path in sorted(named) if not (repo_root / path).exists()] == []
+
+
 EXAMPLES = [
     name
     for name, path in layout.modules().items()
