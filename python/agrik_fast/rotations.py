@@ -349,7 +349,7 @@ def straighten(poses: ArrayLike, *, tolerance: float = 0.02) -> Straightened:
     --------
     >>> found = straighten([[0.87, -0.5, 0.0], [0.5, 0.87, 0.0], [0.0, 0.0, 1.0]])
     >>> str(found.reason), round(float(found.off), 4)
-    ('ok', 0.0035)
+    ('ok', 0.0034)
     """
     tolerance = real_number("tolerance", tolerance, 0, 0.5, open_low=True)
     given = float_array("poses", poses)
