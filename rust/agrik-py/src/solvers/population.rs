@@ -2,7 +2,7 @@
 //! back for the defaults.
 
 use agrik::solve::population::{
-    Adaptation, Algorithm, Boundary, Differential, Genetic, Mutation, Orientation, Redraw, Settings,
+    Adaptation, Algorithm, Boundary, Mutation, Orientation, Redraw, Settings,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
