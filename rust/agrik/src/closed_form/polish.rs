@@ -5,7 +5,7 @@ use super::candidates::{Candidate, JOINTS};
 use super::check::{Exact, Limit, wrap_one};
 use crate::kinematics::{Workspace, columns, forward};
 use crate::lanes::Real;
-use crate::solve::Step;
+use crate::solve::{Lengths, Step};
 use crate::task::{Goal, PoseRows, Rows};
 
 /// A branch that misses by more than the first and less than the second (m, rad) gets steps:
@@ -78,7 +78,7 @@ fn stepped(exact: &Exact<'_>, q: &[f64; JOINTS], goal: &Goal<f64>) -> [f64; JOIN
     let mut workspace = Workspace::new(exact.compiled);
     forward(exact.compiled, &ordered[..joints], &mut workspace);
     let tool = workspace.tool_point(exact.tail.translation);
-    let rows = PoseRows { scale: 1.0 };
+    let rows = PoseRows { scale: 1.0, onward: None };
     let error = rows.error(&workspace, tool, goal);
     let mut jacobian = [[0.0; 6]; JOINTS];
     columns(exact.compiled, &workspace, tool, |variable, linear, angular| {
@@ -86,7 +86,7 @@ fn stepped(exact: &Exact<'_>, q: &[f64; JOINTS], goal: &Goal<f64>) -> [f64; JOIN
     });
     let mut change = [0.0; JOINTS];
     let newton = Step::LevenbergMarquardt { damping: 0.1 };
-    newton.compute(&jacobian[..joints], &error.rows, &mut change[..joints]);
+    newton.compute(&jacobian[..joints], &error.rows, &Lengths::new(1.0, false), &mut change[..joints]);
     let mut out = *q;
     for (x, variable) in out.iter_mut().zip(exact.variables) {
         *x += change[*variable];

@@ -14,6 +14,7 @@ mod step;
 mod targets;
 
 pub(crate) use answers::Outcome;
+pub(crate) use step::Lengths;
 pub use answers::{Answers, AnswersMut, Status};
 pub use engine::run;
 pub use follow::{Follow, Path};

@@ -4,7 +4,7 @@
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
-use crate::chain::{BLOCK, Chain, FEATURES, JointKind, Places, Postures};
+use crate::chain::{BLOCK, Chain, FEATURES, JointKind, Places, Postures, Variable};
 use crate::kinematics::tool_poses;
 use crate::lanes::{dot, sub};
 use crate::task::{Goal, pose_goal, pose_parts};
@@ -22,6 +22,8 @@ const NEARBY: u32 = 4;
 /// Every so many attempts after these one starts anywhere, so that no start is out of the
 /// question.
 const ANYWHERE: u32 = 3;
+/// Ways of slides longer than so many sizes of the robot are sampled near zero alone.
+const LONG: f64 = 100.0;
 /// Low bits of a distance that give way to the posture's number in its window.
 const NUMBER: u32 = (WINDOW * BLOCK - 1) as u32;
 
@@ -181,17 +183,24 @@ impl<'a> Sampler<'a> {
     }
 }
 
-/// Lower end and width per joint value; continuous joints sample [-pi, pi].
+/// Lower end and width of what each joint value is drawn from: of joints that turn at most the
+/// turn about the middle of the limits, of slides without limits to speak of the ways of the
+/// robot's own size about zero.
 fn ranges(chain: &Chain) -> Vec<(f64, f64)> {
-    use std::f64::consts::{PI, TAU};
-    chain
-        .variables()
-        .iter()
-        .map(|v| match v.kind {
-            JointKind::Continuous => (-PI, TAU),
-            _ => (v.lower, v.upper - v.lower),
-        })
-        .collect()
+    let of = |v: &Variable| {
+        let (half, wide) = match v.kind {
+            JointKind::Prismatic => (chain.reach().size, LONG * chain.reach().size),
+            _ => (std::f64::consts::PI, std::f64::consts::TAU),
+        };
+        if v.upper - v.lower <= wide {
+            return (v.lower, v.upper - v.lower);
+        }
+        // Limits may be near the middle on one side.
+        let middle = if v.kind == JointKind::Prismatic { v.near_zero() } else { v.middle() };
+        let lower = (middle - half).min(v.upper - 2.0 * half).max(v.lower);
+        (lower, 2.0 * half)
+    };
+    chain.variables().iter().map(of).collect()
 }
 
 /// A table of uniform random postures and their frames.
@@ -206,8 +215,21 @@ fn sample_postures(chain: &Chain) -> Postures {
     let mut poses = vec![0.0; (SORTED + SCATTERED) * 16];
     tool_poses(chain, &q, &mut poses);
     let tail = &chain.compiled().tail;
-    let frames: Vec<Goal<f64>> =
-        poses.as_chunks().0.iter().map(pose_parts).map(|(p, r)| pose_goal(p, r, tail)).collect();
+    // Of a tool far out, where its nearer part is.
+    let own = tail.translation;
+    let near = chain.compiled().pose_point(own);
+    let back = [0, 1, 2].map(|k| near[k] - own[k]);
+    let frame = |pose: &[f64; 16]| {
+        let (position, rotation) = pose_parts(pose);
+        let mut goal = pose_goal(position, rotation, tail);
+        for (axis, along) in goal.axes.iter().zip(back) {
+            for (x, a) in goal.position.iter_mut().zip(axis) {
+                *x += a * along;
+            }
+        }
+        goal
+    };
+    let frames: Vec<Goal<f64>> = poses.as_chunks().0.iter().map(frame).collect();
     let points: Vec<[f64; 3]> = frames[..SORTED].iter().map(|frame| frame.position).collect();
     let (places, order) = Places::new(&points);
 

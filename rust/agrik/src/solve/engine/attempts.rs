@@ -143,11 +143,11 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
                 runs.finish(place, outcome, self.variables.iter().map(Variable::near_zero));
                 continue;
             };
-            self.goal.set_lane(lane, &goal);
+            self.goal.set_lane(lane, &self.setup.at_point(goal));
             let job = &mut self.jobs[lane];
             job.place = Some(place);
             job.row = row;
-            job.goal = goal;
+            job.goal = self.setup.at_point(goal);
             job.attempt = 0;
             job.steps = 0;
             job.steps_before = 0;
@@ -172,9 +172,9 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         for ((q, x), v) in self.q.iter_mut().zip(begin).zip(&self.limits) {
             q.set_lane(lane, x.max(v.lower).min(v.upper));
         }
-        if self.has_continuous {
-            for (i, reference) in self.reference.iter_mut().enumerate() {
-                reference.set_lane(lane, given.map_or(0.0, |start| start[i]));
+        if self.has_continuous || self.winds {
+            for (i, (reference, v)) in self.reference.iter_mut().zip(&self.limits).enumerate() {
+                reference.set_lane(lane, given.map_or(v.middle, |start| start[i]));
             }
         }
         if FEEDBACK {

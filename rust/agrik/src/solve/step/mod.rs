@@ -3,6 +3,7 @@
 mod closed;
 mod damped;
 mod gains;
+mod lengths;
 mod pace;
 mod pseudo_inverse;
 pub(super) mod pulled;
@@ -14,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::lanes::Real;
 
 pub(super) use gains::{Feedback, Sparse, middle};
+pub(crate) use lengths::Lengths;
 pub use gains::{GainUnits, Matrix, Pid, PidOrder, StateSpace, StaticGain, frozen_gain};
 pub use pace::Pace;
 
@@ -90,7 +92,9 @@ pub struct Settings {
     pub max_iterations: u32,
     /// Attempts after the first before the target is given up.
     pub max_restarts: u32,
-    /// Longest change of one joint in one step, rad or m. Feedback laws take full steps.
+    /// Longest change of one joint in one step, rad; of a slide, in sizes of the robot or
+    /// distances from the goal, whichever is more (m for plain methods). Feedback laws take
+    /// full steps.
     pub max_step: f64,
     /// As textbooks have it: full use of `max_step`, then limits by saturation alone, no
     /// extra steps for slow convergence, and stalled attempts reported as such.
@@ -248,9 +252,10 @@ impl Settings {
         &self,
         columns: &[[R; M]],
         error: &[R; M],
+        lengths: &Lengths,
         change: &mut [R],
     ) {
-        self.step.compute(columns, error, change);
+        self.step.compute(columns, error, lengths, change);
         self.pace.apply(error, change);
     }
 }
@@ -283,13 +288,26 @@ impl Step {
         }
     }
 
+    /// A feedback law.
+    pub(super) fn is_feedback(&self) -> bool {
+        matches!(
+            self,
+            Self::CyclicCoordinateDescent
+                | Self::IkPid(_)
+                | Self::StateSpace(_)
+                | Self::StaticGain(_)
+                | Self::Broyden { .. }
+        )
+    }
+
     /// The change of the joint values. Columns of joints that are held are zero; so is
     /// their change. `columns` are those of the Jacobian, in the task's rows.
     #[inline(always)]
-    pub fn compute<R: Real, const M: usize>(
+    pub(crate) fn compute<R: Real, const M: usize>(
         &self,
         columns: &[[R; M]],
         error: &[R; M],
+        lengths: &Lengths,
         change: &mut [R],
     ) {
         match *self {
@@ -298,12 +316,12 @@ impl Step {
             Self::FixedTranspose { alpha } => transpose::fixed_step(columns, error, alpha, change),
             Self::PseudoInverse { cutoff } => pseudo_inverse::step(columns, error, cutoff, change),
             Self::Damped { damping } => {
-                damped::step(columns, error, R::splat(damping * damping), change);
+                let added = R::splat(damping * damping);
+                damped::step(columns, error, added, lengths.pivot(), change);
             }
             Self::LevenbergMarquardt { damping } => {
-                let squared = squared_norm(error);
-                let added = squared.mul_add(R::splat(0.5 * damping), R::splat(1e-12));
-                damped::step(columns, error, added, change);
+                let added = lengths.added(squared_norm(error), damping);
+                damped::step(columns, error, added, lengths.pivot(), change);
             }
             // Feedback laws have no use for a Jacobian and never come here.
             Self::CyclicCoordinateDescent
