@@ -136,7 +136,11 @@ impl Setup {
         let tail = tail.unwrap_or(compiled.tail);
         let own = compiled.tail.translation;
         let near = compiled.pose_point(own);
-        let by_pose_point = task.fixes_pose() && !settings.step.is_feedback();
+        // Where the orientation is met exactly, and only there, any point of the tool will do.
+        let by_pose_point = task.fixes_pose()
+            && chain.dof() >= 6
+            && tolerance.orientation <= WIDE
+            && !settings.step.is_feedback();
         let size = if by_pose_point && near != own {
             let tail = Tail { translation: near, ..compiled.tail };
             Reach::with_tail(compiled, chain.variables(), &tail).size
@@ -153,13 +157,10 @@ impl Setup {
         let rotation_scale = rotation_scale(size);
         let slides = chain.variables().iter().any(|v| v.kind == JointKind::Prismatic);
         let lengths = Lengths::new(size, slides);
-        // At a point other than the tool's the sphere would be no sphere.
         let slack = Slack::of(&task, tolerance, size, rotation_scale)
             .filter(|_| !settings.plain && !settings.step.is_feedback())
-            .map(|slack| match point == tail.translation {
-                true => slack,
-                false => Slack { position: 0.0, ..slack },
-            });
+            // About another point than the tool's the sphere would be no sphere.
+            .filter(|_| point == tail.translation);
         let feedback = Feedback::new(&settings, chain, &task, &tail, rotation_scale)?;
         let usual_start = match settings.start {
             StartRule::Sampled => None,

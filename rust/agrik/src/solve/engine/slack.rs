@@ -1,9 +1,9 @@
 //! Steps towards the nearest place that is near enough, where tolerances are wide.
 //!
 //! The distance `d = |e| - r` of an error `e` from a sphere of radius `r` has the gradient
-//! `e / |e|`: of the rows' Jacobian the part along the error stays, and what is across counts
-//! less the nearer the sphere is. Where an exact solution does not exist, least squares about
-//! the goal come to rest outside the sphere although places inside may be had.
+//! `e / |e|`: near the sphere the part of the rows' Jacobian along the error is all that
+//! counts, and far away all of it does. Where an exact solution does not exist, least squares
+//! about the goal come to rest outside the sphere although places inside may be had.
 
 use crate::lanes::Real;
 use crate::solve::setup::Slack;
@@ -11,9 +11,9 @@ use crate::solve::setup::Slack;
 /// How the rows of one block are changed.
 #[derive(Debug, Clone, Copy)]
 struct Block<R> {
-    /// Share of the error that is left, and of its columns.
+    /// Share of the columns that is left.
     share: R,
-    /// What of the columns is added along the error.
+    /// What of them is added along the error.
     along: R,
     /// The error's direction.
     direction: [R; 3],
@@ -39,13 +39,18 @@ impl<R: Real> Block<R> {
         let inverse = R::splat(1.0) / squared.sqrt();
         let share = (-inverse).mul_add(R::splat(radius), R::splat(1.0));
         let outside = R::zero().lt(share);
-        let along = R::select(outside, R::splat(1.0) - share, R::zero());
-        let share = R::select(outside, share, R::zero());
+        let left = R::select(outside, share, R::zero());
         let mut direction = [R::zero(); 3];
         for (d, x) in direction.iter_mut().zip(rows) {
             *d = *x * inverse;
-            *x *= share;
+            *x *= left;
         }
+        // Nothing across from two radii on.
+        let share = (left + left - R::splat(1.0)).max(R::zero());
+        // Inside the error may grow as far as the sphere, and no farther: from half a radius on
+        // it is held more and more, or a step for the other rows would lead far out again.
+        let inside = (squared.sqrt() * R::splat(2.0 / radius) - R::splat(1.0)).max(R::zero());
+        let along = R::select(outside, R::splat(1.0) - share, inside);
         Self { share, along, direction }
     }
 
