@@ -284,8 +284,7 @@ fn variables_of(joints: &[Joint]) -> Result<Vec<Variable>> {
     }
     for v in variables.iter_mut().filter(|v| v.kind == JointKind::Revolute) {
         if v.lower <= -UNLIMITED && v.upper >= UNLIMITED {
-            (v.kind, v.lower, v.upper) =
-                (JointKind::Continuous, f64::NEG_INFINITY, f64::INFINITY);
+            (v.kind, v.lower, v.upper) = (JointKind::Continuous, f64::NEG_INFINITY, f64::INFINITY);
         }
     }
     Ok(variables)

@@ -86,7 +86,12 @@ fn stepped(exact: &Exact<'_>, q: &[f64; JOINTS], goal: &Goal<f64>) -> [f64; JOIN
     });
     let mut change = [0.0; JOINTS];
     let newton = Step::LevenbergMarquardt { damping: 0.1 };
-    newton.compute(&jacobian[..joints], &error.rows, &Lengths::new(1.0, false), &mut change[..joints]);
+    newton.compute(
+        &jacobian[..joints],
+        &error.rows,
+        &Lengths::new(1.0, false),
+        &mut change[..joints],
+    );
     let mut out = *q;
     for (x, variable) in out.iter_mut().zip(exact.variables) {
         *x += change[*variable];

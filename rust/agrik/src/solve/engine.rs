@@ -7,6 +7,7 @@
 mod attempts;
 mod feedback;
 mod limit;
+mod nearest;
 mod runs;
 mod slack;
 
@@ -108,6 +109,8 @@ struct Engine<'p, R: Real, T, const M: usize, const FEEDBACK: bool> {
     /// Ways of slides are measured by the robot's size.
     stretches: bool,
     relaxed: Relaxed<R>,
+    /// Rows that attempts do not solve are given their nearest posture.
+    completes: bool,
     /// Steps of an attempt, and of one whose squared error is below `near2`.
     cap: u32,
     patient_cap: u32,
@@ -149,6 +152,11 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                 && !settings.plain
                 && !matches!(settings.step, Step::FixedTranspose { .. }),
             relaxed: Relaxed::none(),
+            completes: !settings.plain
+                && !FEEDBACK
+                && settings.max_restarts > 0
+                && plan.bounds.is_none()
+                && plan.pull.is_none(),
             has_continuous: variables.iter().any(|v| v.kind == JointKind::Continuous),
             cap: settings.max_iterations,
             patient_cap: settings.max_iterations.saturating_mul(if settings.plain {

@@ -14,13 +14,13 @@ mod step;
 mod targets;
 
 pub(crate) use answers::Outcome;
-pub(crate) use step::Lengths;
 pub use answers::{Answers, AnswersMut, Status};
 pub use engine::run;
 pub use follow::{Follow, Path};
 pub use plan::Plan;
 pub use rows::Solve;
 pub use setup::{Setup, Tolerance};
+pub(crate) use step::Lengths;
 pub use step::{
     GainUnits, Matrix, Pace, Pid, PidOrder, Settings, StartRule, StateSpace, StaticGain, Step,
     frozen_gain,

@@ -149,11 +149,8 @@ impl Setup {
         } else {
             chain.reach().size
         };
-        let point = if by_pose_point {
-            compiled.pose_point(tail.translation)
-        } else {
-            tail.translation
-        };
+        let point =
+            if by_pose_point { compiled.pose_point(tail.translation) } else { tail.translation };
         let rotation_scale = rotation_scale(size);
         let slides = chain.variables().iter().any(|v| v.kind == JointKind::Prismatic);
         let lengths = Lengths::new(size, slides);

@@ -4,6 +4,7 @@ use smallvec::smallvec;
 
 use super::Engine;
 use super::feedback::Halt;
+use super::nearest::{End, Search};
 use super::runs::{Place, Runs};
 use crate::chain::Variable;
 use crate::kinematics::PerJoint;
@@ -11,6 +12,13 @@ use crate::lanes::Real;
 use crate::solve::answers::{AnswersMut, Outcome, Status};
 use crate::solve::step::squared_norm;
 use crate::task::{Goal, Rows, TaskError};
+
+/// Starts from which the nearest posture to a goal out of reach is looked for, and those from
+/// which a row is tried that all attempts have failed.
+const NEAREST: u32 = 8;
+const LAST: u32 = 8;
+/// What orientations count beside places while the nearest posture is looked for.
+const LITTLE: f64 = 1e-3;
 
 /// What a lane is busy with.
 #[derive(Debug, Clone)]
@@ -105,6 +113,10 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             self.start(lane, row, attempt, &goal);
             return true;
         }
+        if !solved && self.completes {
+            self.complete(lane);
+        }
+        let job = &mut self.jobs[lane];
         let best = job.best.unwrap_or_else(|| {
             job.best_q.iter_mut().zip(self.variables).for_each(|(x, v)| *x = v.near_zero());
             Best {
@@ -114,7 +126,8 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
                 orientation_error: f64::INFINITY,
             }
         });
-        let status = if !solved && job.unreachable { Status::OutOfReach } else { best.status };
+        let proven = job.unreachable && best.status != Status::Converged;
+        let status = if proven { Status::OutOfReach } else { best.status };
         let outcome = Outcome {
             status,
             position_error: best.position_error,
@@ -126,6 +139,55 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             runs.finish(place, outcome, job.best_q.iter().copied());
         }
         false
+    }
+
+    /// Looks for a row's nearest posture where attempts did not solve it: from the best end, and
+    /// from other starts. Solved after all is solved.
+    #[inline(never)]
+    fn complete(&mut self, lane: usize) {
+        let job = &mut self.jobs[lane];
+        let Some(goal) = self.plan.goal(job.row) else { return };
+        let (plan, limits) = (self.plan, &self.limits[..]);
+        let scale = self.setup.rotation_scale;
+        let whole = Search { plan, limits, goal, scale };
+        let place = Search { scale: scale * LITTLE, ..whole };
+        let mut best: Option<(End, PerJoint<f64>)> = None;
+        let starts = if job.unreachable { NEAREST } else { LAST };
+        for start in 0..starts {
+            let mut q = job.best_q.clone();
+            if start > 0 || job.best.is_none() {
+                let attempt = job.attempt + start;
+                self.plan.sampler.sample(job.row, attempt, &job.goal, &mut q);
+            }
+            let first = whole.run(&mut q);
+            job.steps += first.steps;
+            let mut end = first;
+            if !first.solved {
+                // First the place, then how the tool is turned.
+                end = place.run(&mut q);
+                job.steps += end.steps;
+            }
+            if end.solved || best.as_ref().is_none_or(|(b, _)| end.cost < b.cost) {
+                best = Some((end, q));
+            }
+            if end.solved {
+                break;
+            }
+        }
+        if let Some((end, q)) = best {
+            let status = if end.solved { Status::Converged } else { Status::NotFound };
+            job.best = Some(Best {
+                squared: 2.0 * end.cost,
+                status,
+                position_error: end.position_error,
+                orientation_error: end.orientation_error,
+            });
+            for (((to, x), v), reference) in
+                job.best_q.iter_mut().zip(q).zip(&self.limits).zip(&self.reference)
+            {
+                *to = if v.winds { v.wound(x, reference.lane(lane)) } else { x };
+            }
+        }
     }
 
     /// Gives a lane the next target that needs solving; false where none is left.

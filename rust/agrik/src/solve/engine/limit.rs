@@ -3,6 +3,10 @@
 use crate::chain::{JointKind, Variable};
 use crate::kinematics::PerJoint;
 use crate::solve::plan::Plan;
+use crate::solve::targets::Starts;
+
+/// A full turn, with room for rounding.
+const TURN: f64 = std::f64::consts::TAU + 1e-9;
 
 /// The limits of one joint value, rad or m.
 #[derive(Debug, Clone, Copy)]
@@ -50,18 +54,18 @@ impl Limit {
 /// The limits of a plan: those of the joints, unless it has narrower ones.
 pub(super) fn limits(plan: &Plan<'_>) -> PerJoint<Limit> {
     match &plan.bounds {
-        None => plan.chain.variables().iter().map(Limit::of).collect(),
+        None => {
+            // With starts given, joints wider than a turn stay on the side where they stand.
+            let started = !matches!(plan.starts, Starts::Free);
+            let stays = |v: &Limit| started && v.winds && v.upper - v.lower > TURN;
+            let limits = plan.chain.variables().iter().map(Limit::of);
+            limits.map(|v| Limit { turns: v.turns && !stays(&v), ..v }).collect()
+        }
         Some(bounds) => {
             let variables = plan.chain.variables().iter().map(Limit::of);
             variables
                 .zip(bounds)
-                .map(|(v, &(lower, upper))| Limit {
-                    lower,
-                    upper,
-                    turns: false,
-                    winds: false,
-                    ..v
-                })
+                .map(|(v, &(lower, upper))| Limit { lower, upper, turns: false, winds: false, ..v })
                 .collect()
         }
     }

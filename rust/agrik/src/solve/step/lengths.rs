@@ -29,6 +29,11 @@ impl Lengths {
         Self { size2, most2: if slides { FAR * FAR * size2 } else { f64::INFINITY }, slides }
     }
 
+    /// Square of the robot's size, m^2.
+    pub fn size2(&self) -> f64 {
+        self.size2
+    }
+
     /// What a share of half the squared error adds to the diagonal of `J J^T`.
     #[inline(always)]
     pub fn added<R: Real>(&self, squared: R, share: f64) -> R {

@@ -15,8 +15,8 @@ use crate::error::{Error, Result};
 use crate::lanes::Real;
 
 pub(super) use gains::{Feedback, Sparse, middle};
-pub(crate) use lengths::Lengths;
 pub use gains::{GainUnits, Matrix, Pid, PidOrder, StateSpace, StaticGain, frozen_gain};
+pub(crate) use lengths::Lengths;
 pub use pace::Pace;
 
 /// How a step is computed.
