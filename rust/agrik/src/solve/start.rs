@@ -213,8 +213,11 @@ fn sample_postures(chain: &Chain) -> Postures {
     let ranges = ranges(chain);
     let mut stream = Xoshiro256PlusPlus::seed_from_u64(TABLE_SEED);
     let mut q = vec![0.0; (SORTED + SCATTERED) * dof];
-    for posture in q.chunks_exact_mut(dof) {
+    for (i, posture) in q.chunks_exact_mut(dof).enumerate() {
         draw(&mut stream, &ranges, posture);
+        if i >= SORTED + SCATTERED / 2 {
+            stand(&mut stream, &ranges, posture);
+        }
     }
     let mut poses = vec![0.0; (SORTED + SCATTERED) * 16];
     tool_poses(chain, &q, &mut poses);

@@ -13,10 +13,11 @@ use crate::solve::answers::{AnswersMut, Outcome, Status};
 use crate::solve::step::squared_norm;
 use crate::task::{Goal, Rows, TaskError};
 
-/// Starts from which the nearest posture to a goal out of reach is looked for, and those from
-/// which a row is tried that all attempts have failed.
-const NEAREST: u32 = 8;
-const LAST: u32 = 8;
+/// Most starts from which a nearest posture is looked for; fewer where so many ends after the
+/// first are as near as the best one, but for this share of the length per radian.
+const MOST_STARTS: u32 = 32;
+const ENOUGH: u32 = 6;
+const SAME: f64 = 1e-5;
 /// What orientations count beside places while the nearest posture is looked for.
 const LITTLE: f64 = 1e-3;
 
@@ -152,25 +153,32 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         let whole = Search { plan, limits, goal, scale };
         let place = Search { scale: scale * LITTLE, ..whole };
         let mut best: Option<(End, PerJoint<f64>)> = None;
-        let starts = if job.unreachable { NEAREST } else { LAST };
-        for start in 0..starts {
+        // Ends that are as near as the best one.
+        let mut agree = 0;
+        let same = (SAME * scale).powi(2);
+        for start in 0..MOST_STARTS {
             let mut q = job.best_q.clone();
             if start > 0 || job.best.is_none() {
                 let attempt = job.attempt + start;
                 self.plan.sampler.sample(job.row, attempt, &job.goal, &mut q);
+                for (x, v) in q.iter_mut().zip(limits) {
+                    *x = x.max(v.lower).min(v.upper);
+                }
             }
-            let first = whole.run(&mut q);
-            job.steps += first.steps;
-            let mut end = first;
-            if !first.solved {
-                // First the place, then how the tool is turned.
-                end = place.run(&mut q);
-                job.steps += end.steps;
+            let mut end = None;
+            if start == 0 || !job.unreachable && start % 2 == 0 {
+                end = Some(whole.run(&mut q));
             }
-            if end.solved || best.as_ref().is_none_or(|(b, _)| end.cost < b.cost) {
+            job.steps += end.map_or(0, |end| end.steps);
+            // First the place, then how the tool is turned.
+            let end = end.filter(|end| end.solved).unwrap_or_else(|| place.run(&mut q));
+            job.steps += end.steps;
+            let (before, now) = (best.as_ref().map_or(f64::INFINITY, |(b, _)| b.cost), end.cost);
+            agree = if now < before - same { 0 } else { agree + u32::from(now < before + same) };
+            if end.solved || now < before {
                 best = Some((end, q));
             }
-            if end.solved {
+            if end.solved || agree >= ENOUGH {
                 break;
             }
         }
