@@ -93,6 +93,23 @@ impl<'a> Sampler<'a> {
         }
     }
 
+    /// A start near the end `q` of another attempt: with some joint values put elsewhere.
+    ///
+    /// What keeps an end from being a solution is often one joint at the wrong limit.
+    pub fn hop(&self, row: usize, attempt: u32, q: &mut [f64]) {
+        let mut stream = Xoshiro256PlusPlus::seed_from_u64(self.key(row, attempt));
+        let surely = (stream.next_u64() % q.len() as u64) as usize;
+        for (i, x) in q.iter_mut().enumerate() {
+            if i == surely || stream.next_u64() >> 62 == 0 {
+                let range = &self.postures.ranges[i..=i];
+                let mut value = [0.0];
+                draw(&mut stream, range, &mut value);
+                stand(&mut stream, range, &mut value);
+                *x = value[0];
+            }
+        }
+    }
+
     /// First block of the window around the goal's place; for later attempts of those next
     /// to it, by turns after and before it.
     ///

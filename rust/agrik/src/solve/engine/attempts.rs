@@ -13,6 +13,8 @@ use crate::solve::answers::{AnswersMut, Outcome, Status};
 use crate::solve::step::squared_norm;
 use crate::task::{Goal, Rows, TaskError};
 
+/// From this attempt on every second one starts near the best end so far.
+const HOPS: u32 = 8;
 /// Most starts from which a nearest posture is looked for; fewer where so many ends after the
 /// first are as near as the best one, but for this share of the length per radian.
 const MOST_STARTS: u32 = 32;
@@ -234,6 +236,11 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         let given = self.plan.start(row);
         let begin: &[f64] = match given {
             Some(start) if attempt == 0 => start,
+            _ if attempt >= HOPS && attempt % 2 == 1 && self.jobs[lane].best.is_some() => {
+                self.begin.clone_from(&self.jobs[lane].best_q);
+                self.plan.sampler.hop(row, attempt, &mut self.begin);
+                &self.begin
+            }
             _ => {
                 self.plan.sampler.sample(row, attempt, goal, &mut self.begin);
                 &self.begin
