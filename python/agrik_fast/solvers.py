@@ -75,7 +75,7 @@ class LevenbergMarquardt:
     max_iterations : int, default 10
         Steps of one attempt before it is given up; 1 to 2**32 - 1. An attempt that
         is closing in on a solution, slowly where that is singular, gets eight times as many.
-    max_restarts : int, default 100
+    max_restarts : int, default 250
         Attempts after the first before the target is given up; 0 to 2**32 - 1.
     max_step : float, default 1.0
         Longest change of one joint in one step, rad or m; > 0. A step that is longer is
@@ -95,7 +95,7 @@ class LevenbergMarquardt:
     name: ClassVar[str] = "lm"
     damping: float = 0.1
     max_iterations: int = 10
-    max_restarts: int = 100
+    max_restarts: int = 250
     max_step: float = 1.0
 
     def __post_init__(self) -> None:

@@ -3,6 +3,7 @@
 use super::answers::{Answers, Outcome, Status};
 use super::plan::{INSIDE, Plan};
 use super::population::Stream;
+use super::start::range;
 use super::{Settings, Solve};
 use crate::chain::JointKind;
 use crate::error::{Error, Result};
@@ -145,6 +146,10 @@ impl Walker<'_> {
                     let (low, high) = match v.kind {
                         JointKind::Continuous => {
                             (x - std::f64::consts::PI, x + std::f64::consts::PI)
+                        }
+                        _ if (v.upper - v.lower).is_infinite() => {
+                            let (lower, width) = range(plan.chain, v);
+                            (lower, lower + width)
                         }
                         _ => (v.lower, v.upper),
                     };

@@ -20,9 +20,8 @@ pub use follow::{Follow, Path};
 pub use plan::Plan;
 pub use rows::Solve;
 pub use setup::{Setup, Tolerance};
-pub(crate) use step::Lengths;
 pub use step::{
-    GainUnits, Matrix, Pace, Pid, PidOrder, Settings, StartRule, StateSpace, StaticGain, Step,
-    frozen_gain,
+    GainUnits, Lengths, Matrix, Pace, Pid, PidOrder, Settings, StartRule, StateSpace, StaticGain,
+    Step, frozen_gain,
 };
 pub use targets::{Goals, Starts};

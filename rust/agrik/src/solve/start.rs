@@ -78,7 +78,7 @@ impl<'a> Sampler<'a> {
         } else if attempt % ANYWHERE == ANYWHERE - 1 {
             let mut stream = Xoshiro256PlusPlus::seed_from_u64(key);
             draw(&mut stream, &self.postures.ranges, q);
-            if attempt / ANYWHERE % 2 == 0 {
+            if (attempt / ANYWHERE).is_multiple_of(2) {
                 stand(&mut stream, &self.postures.ranges, q);
             }
             return;
@@ -204,24 +204,26 @@ impl<'a> Sampler<'a> {
     }
 }
 
-/// Lower end and width of what each joint value is drawn from: of joints that turn at most the
+/// Lower end and width of what each joint value is drawn from.
+fn ranges(chain: &Chain) -> Vec<(f64, f64)> {
+    chain.variables().iter().map(|v| range(chain, v)).collect()
+}
+
+/// Lower end and width of what a joint value is drawn from: of joints that turn at most the
 /// turn about the middle of the limits, of slides without limits to speak of the ways of the
 /// robot's own size about zero.
-fn ranges(chain: &Chain) -> Vec<(f64, f64)> {
-    let of = |v: &Variable| {
-        let (half, wide) = match v.kind {
-            JointKind::Prismatic => (chain.reach().size, LONG * chain.reach().size),
-            _ => (std::f64::consts::PI, std::f64::consts::TAU),
-        };
-        if v.upper - v.lower <= wide {
-            return (v.lower, v.upper - v.lower);
-        }
-        // Limits may be near the middle on one side.
-        let middle = if v.kind == JointKind::Prismatic { v.near_zero() } else { v.middle() };
-        let lower = (middle - half).min(v.upper - 2.0 * half).max(v.lower);
-        (lower, 2.0 * half)
+pub(super) fn range(chain: &Chain, v: &Variable) -> (f64, f64) {
+    let (half, wide) = match v.kind {
+        JointKind::Prismatic => (chain.reach().size, LONG * chain.reach().size),
+        _ => (std::f64::consts::PI, std::f64::consts::TAU),
     };
-    chain.variables().iter().map(of).collect()
+    if v.upper - v.lower <= wide {
+        return (v.lower, v.upper - v.lower);
+    }
+    // Limits may be near the middle on one side.
+    let middle = if v.kind == JointKind::Prismatic { v.near_zero() } else { v.middle() };
+    let lower = (middle - half).min(v.upper - 2.0 * half).max(v.lower);
+    (lower, 2.0 * half)
 }
 
 /// A table of uniform random postures and their frames.

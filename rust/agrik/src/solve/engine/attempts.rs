@@ -16,9 +16,9 @@ use crate::task::{Goal, Rows, TaskError};
 /// From this attempt on every second one starts near the best end so far.
 const HOPS: u32 = 8;
 /// Most starts from which a nearest posture is looked for; fewer where so many ends after the
-/// first are as near as the best one, but for this share of the length per radian.
+/// best one bring the tool as near as it, but for this share of the length per radian.
 const MOST_STARTS: u32 = 32;
-const ENOUGH: u32 = 6;
+const ENOUGH: u32 = 8;
 const SAME: f64 = 1e-5;
 /// What orientations count beside places while the nearest posture is looked for.
 const LITTLE: f64 = 1e-3;
@@ -157,7 +157,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         let mut best: Option<(End, PerJoint<f64>)> = None;
         // Ends that are as near as the best one.
         let mut agree = 0;
-        let same = (SAME * scale).powi(2);
+        let same = SAME * scale;
         for start in 0..MOST_STARTS {
             let mut q = job.best_q.clone();
             if start > 0 || job.best.is_none() {
@@ -175,9 +175,12 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             // First the place, then how the tool is turned.
             let end = end.filter(|end| end.solved).unwrap_or_else(|| place.run(&mut q));
             job.steps += end.steps;
-            let (before, now) = (best.as_ref().map_or(f64::INFINITY, |(b, _)| b.cost), end.cost);
-            agree = if now < before - same { 0 } else { agree + u32::from(now < before + same) };
-            if end.solved || now < before {
+            let before = best.as_ref().map(|(before, _)| *before);
+            if let Some(before) = before {
+                let closer = before.position_error - end.position_error;
+                agree = if closer > same { 0 } else { agree + u32::from(closer > -same) };
+            }
+            if end.solved || before.is_none_or(|before| end.cost < before.cost) {
                 best = Some((end, q));
             }
             if end.solved || agree >= ENOUGH {

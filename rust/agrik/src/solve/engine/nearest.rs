@@ -213,7 +213,8 @@ fn newton(at: &Point, free: &[usize], damping: impl Fn(usize) -> f64) -> Option<
                 - (0..j).map(|k| l[i * n + k] * l[j * n + k]).sum::<f64>()
         };
         let pivot = before(j) + damping(free[j]);
-        if !(pivot > 1e-2 * damping(free[j])) {
+        // A pivot that is no number is none.
+        if pivot.is_nan() || pivot <= 1e-2 * damping(free[j]) {
             return None;
         }
         let root = pivot.sqrt();

@@ -13,7 +13,7 @@ const FAR: f64 = 2.0;
 
 /// Lengths of a robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Lengths {
+pub struct Lengths {
     /// Square of what counts as its size, m^2.
     size2: f64,
     /// Squared errors damp a step as if they were no more than this, m^2.

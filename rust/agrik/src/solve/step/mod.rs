@@ -16,7 +16,7 @@ use crate::lanes::Real;
 
 pub(super) use gains::{Feedback, Sparse, middle};
 pub use gains::{GainUnits, Matrix, Pid, PidOrder, StateSpace, StaticGain, frozen_gain};
-pub(crate) use lengths::Lengths;
+pub use lengths::Lengths;
 pub use pace::Pace;
 
 /// How a step is computed.
@@ -110,7 +110,7 @@ impl Settings {
     pub const LEVENBERG_MARQUARDT: Self = Self {
         step: Step::LevenbergMarquardt { damping: 0.1 },
         max_iterations: 10,
-        max_restarts: 100,
+        max_restarts: 250,
         max_step: 1.0,
         plain: false,
         start: StartRule::Sampled,
@@ -303,7 +303,7 @@ impl Step {
     /// The change of the joint values. Columns of joints that are held are zero; so is
     /// their change. `columns` are those of the Jacobian, in the task's rows.
     #[inline(always)]
-    pub(crate) fn compute<R: Real, const M: usize>(
+    pub fn compute<R: Real, const M: usize>(
         &self,
         columns: &[[R; M]],
         error: &[R; M],
