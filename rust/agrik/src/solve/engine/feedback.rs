@@ -124,7 +124,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             Some(Feedback::Descent) | None => Halt::default(),
         };
         if self.has_continuous {
-            self.wind_back();
+            self.wind_back(mask);
         }
         for (lane, job) in self.jobs.iter_mut().enumerate() {
             job.steps += moving >> lane & 1;
@@ -261,7 +261,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         let compiled = self.plan.request.chain().compiled();
         let tolerance = self.setup.aim.tolerance();
         let (position2, orientation2) = (square(tolerance.position), square(tolerance.orientation));
-        let rounding = R::splat(ROUNDING * self.plan.request.chain().reach().radius);
+        let rounding = R::splat(ROUNDING * self.plan.request.chain().reach().size);
         let dof = self.q.len();
         // Turning the tool about one axis moves no axis before it, so a sweep from the tip
         // needs one pass of forward kinematics.
