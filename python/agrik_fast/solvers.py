@@ -66,7 +66,8 @@ class LevenbergMarquardt:
     """Least squares damped by a share of the squared error; the default, named "lm".
 
     ``dq = J^T (J J^T + (damping |e|^2 / 2 + 1e-12 s^2) I)^-1 e``, with s the robot's size:
-    steep and safe far from the target, quadratic near it, because the damping vanishes with the error.
+    steep and safe far from the target, quadratic near it, because the damping vanishes with
+    the error.
 
     Parameters
     ----------
