@@ -167,7 +167,7 @@ fn far_tools_reach_as_the_flange_does() {
         let long = chain(&rows);
         let targets = poses(&long, &postures(&long, 200, f64::INFINITY, 3));
         let own = assert_solved(&Call::new(&long, Task::Pose), &targets, "tool of the chain");
-        assert!(mean(&own.iterations) < 1.5 * mean(&flange.iterations), "{far}");
+        assert!(mean(&own.iterations) < 2.0 * mean(&flange.iterations), "{far}");
         assert_solved(&Call::new(&long, Task::Position), &targets, "tool of the chain");
 
         let offset = IsometryMatrix3::translation(0.6 * far, 0.0, 0.8 * far);
