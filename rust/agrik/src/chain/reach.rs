@@ -31,7 +31,9 @@ pub struct Reach {
 /// Room for rounding, relative to the size of the robot.
 const MARGIN: f64 = 1e-12;
 /// Share of the slides' ways that is the least size: fixed lengths may be nothing but rounding.
-const LEAST_SIZE: f64 = 1e-6;
+const LEAST_SIZE: f64 = 1e-9;
+/// No slide is this long: a limit so far out stands for none, whatever the unit.
+const ENDLESS: f64 = 1e9;
 
 impl Reach {
     /// Bounds of the tool point.
@@ -123,7 +125,7 @@ fn size(chain: &Compiled, pieces: &[Piece]) -> f64 {
             fixed += piece.longest();
         }
     }
-    let finite: f64 = ways.iter().filter(|way| way.is_finite()).sum();
+    let finite: f64 = ways.iter().filter(|way| **way < ENDLESS).sum();
     let counted: f64 = ways.iter().map(|way| way.min(fixed)).sum();
     let size = if fixed > 0.0 { (fixed + counted).max(LEAST_SIZE * finite) } else { finite };
     // A wrist alone, or slides without ends.

@@ -90,8 +90,12 @@ impl<'a> Sampler<'a> {
         };
         let dof = q.len();
         let best = self.nearest(window, goal);
-        for (to, from) in q.iter_mut().zip(&self.postures.q[best * dof..]) {
-            *to = f64::from(*from);
+        let ranges = &self.postures.ranges;
+        for ((to, from), (lower, width)) in
+            q.iter_mut().zip(&self.postures.q[best * dof..]).zip(ranges)
+        {
+            // Single precision may have rounded an end outward.
+            *to = f64::from(*from).max(*lower).min(lower + width);
         }
     }
 

@@ -254,7 +254,12 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         }
         if self.has_continuous || self.winds {
             for (i, (reference, v)) in self.reference.iter_mut().zip(&self.limits).enumerate() {
-                reference.set_lane(lane, given.map_or(v.middle, |start| start[i]));
+                let about = given.map_or(v.middle, |start| start[i]);
+                reference.set_lane(lane, about);
+                if v.turns && !v.winds {
+                    let x = self.q[i].lane(lane);
+                    self.q[i].set_lane(lane, v.wound(x, about));
+                }
             }
         }
         if FEEDBACK {
