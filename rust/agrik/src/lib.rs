@@ -15,4 +15,5 @@ pub mod solvers;
 pub mod task;
 pub mod tune;
 
-pub use agrik_compute::{Allowed, Error, Result, error, lanes, random, threads};
+pub use agrik_compute::allowed::LARGEST;
+pub use agrik_compute::{Allowed, Error, Result, allowed, error, lanes, random, threads};

@@ -1,7 +1,7 @@
 //! Roots of a quadratic form in `(1, cos t, sin t)`: the fourth-degree equation of
 //! Pieper's general case, with its angle kept an angle so that none is at infinity.
 
-use nalgebra::{Complex, Matrix4};
+use nalgebra::{Complex, Matrix4, Schur};
 
 use crate::lanes::hypotenuse;
 
@@ -21,6 +21,8 @@ pub struct Root {
 const NEAR: f64 = 1e-2;
 /// Most of Newton's steps: three do, unless three roots are about to meet.
 const STEPS: usize = 30;
+/// Sweeps after which the eigenvalue decomposition is given up: far more than one takes.
+const SWEEPS: usize = 1000;
 /// Angles this near to one another are one root.
 const SAME: f64 = 1e-9;
 /// Slope, as a share of the equation's size, below which a root is singular.
@@ -136,8 +138,12 @@ fn polynomial_roots(c0: f64, c1: f64, s1: f64, c2: f64, s2: f64) -> Vec<Complex<
     );
     let i = Complex::new(0.0, 1.0);
     let turn = Complex::new(shift.cos(), shift.sin());
-    companion
-        .complex_eigenvalues()
+    // On what is no number the decomposition would not end.
+    let finite = companion.iter().all(|x| x.is_finite());
+    let found = finite.then(|| Schur::try_new(companion, f64::EPSILON, SWEEPS));
+    let Some(found) = found.flatten() else { return Vec::new() };
+    let roots = found.complex_eigenvalues();
+    roots
         .iter()
         .map(|u| (Complex::new(1.0, 0.0) + i * u) / (Complex::new(1.0, 0.0) - i * u) * turn)
         .collect()

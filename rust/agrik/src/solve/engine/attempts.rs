@@ -2,11 +2,11 @@
 
 use smallvec::smallvec;
 
-use super::Engine;
 use super::feedback::Halt;
 use super::runs::{Place, Runs};
+use super::{Engine, wound};
 use crate::call::{AnswersMut, Outcome, Status};
-use crate::chain::Variable;
+use crate::chain::{JointKind, Variable};
 use crate::kinematics::PerJoint;
 use crate::lanes::Real;
 use crate::solve::step::squared_norm;
@@ -173,8 +173,15 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             q.set_lane(lane, x.max(v.lower).min(v.upper));
         }
         if self.has_continuous {
-            for (i, reference) in self.reference.iter_mut().enumerate() {
-                reference.set_lane(lane, given.map_or(0.0, |start| start[i]));
+            for (i, v) in self.variables.iter().enumerate() {
+                let reference = given.map_or(0.0, |start| start[i]);
+                self.reference[i].set_lane(lane, reference);
+                // What was sampled lies about zero.
+                if v.kind == JointKind::Continuous {
+                    let begin = R::Single::splat(self.q[i].lane(lane));
+                    let near = wound(begin, R::Single::splat(reference));
+                    self.q[i].set_lane(lane, near.lane(0));
+                }
             }
         }
         if FEEDBACK {

@@ -124,7 +124,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             Some(Feedback::Descent) | None => Halt::default(),
         };
         if self.has_continuous {
-            self.wind_back();
+            self.wind_back(mask);
         }
         for (lane, job) in self.jobs.iter_mut().enumerate() {
             job.steps += moving >> lane & 1;
@@ -270,7 +270,8 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         let mut axes = self.workspace.joint_axes();
         let mut length = squared_norm(&error.rows).sqrt();
         let memory = &mut self.memory;
-        memory.previous = R::select(memory.previous.lt(R::zero()), length, memory.previous);
+        let first = R::and(mask, memory.previous.lt(R::zero()));
+        memory.previous = R::select(first, length, memory.previous);
         let mut going = mask;
         let mut moved = R::zero();
         for turn in 0..dof {
