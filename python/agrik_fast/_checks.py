@@ -13,6 +13,14 @@ from .errors import ArgumentError
 FloatArray = NDArray[np.float64]
 
 
+def shown(value: object) -> str:
+    """Return a value as an error message has it, whatever its own words do."""
+    try:
+        return repr(value)
+    except Exception:
+        return f"a {type(value).__name__}"
+
+
 def float_array(argument: str, value: ArrayLike) -> FloatArray:
     """Return `value` as a float64 array; anything but real numbers is refused."""
     try:
@@ -30,9 +38,9 @@ def whole_number(argument: str, value: object, low: int, high: int | None = None
     try:
         number = operator.index(value)  # type: ignore[arg-type]
     except TypeError:
-        raise ArgumentError(argument, repr(value), expected) from None
+        raise ArgumentError(argument, shown(value), expected) from None
     if isinstance(value, bool) or number < low or (high is not None and number > high):
-        raise ArgumentError(argument, repr(value), expected)
+        raise ArgumentError(argument, shown(value), expected)
     return number
 
 
@@ -54,8 +62,11 @@ def real_number(
     if unit:
         expected += f" {unit}"
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise ArgumentError(argument, repr(value), expected)
-    number = float(value)
+        raise ArgumentError(argument, shown(value), expected)
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
     inside = number > low if open_low else number >= low
     if not (math.isfinite(number) and inside and number <= high):
         raise ArgumentError(argument, f"{number!r}", expected)
@@ -65,7 +76,7 @@ def real_number(
 def truth_value(argument: str, value: object) -> bool:
     """Return `value`, True or False and nothing that merely counts as one."""
     if not isinstance(value, (bool, np.bool_)):
-        raise ArgumentError(argument, repr(value), "True or False")
+        raise ArgumentError(argument, shown(value), "True or False")
     return bool(value)
 
 

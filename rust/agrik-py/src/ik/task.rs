@@ -28,7 +28,7 @@ pub fn wanted(task: Option<&Bound<'_, PyAny>>, targets_are_poses: bool) -> PyRes
         return Ok(task.into());
     };
     if let Ok(name) = task.cast::<PyString>() {
-        return match name.to_str()? {
+        return match &*name.to_string_lossy() {
             "position" => Ok(Task::Position.into()),
             "pose" => Ok(Task::Pose.into()),
             "axis" => Ok(Task::Axis { tool_axis: [0.0, 0.0, 1.0] }.into()),

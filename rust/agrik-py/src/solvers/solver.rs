@@ -33,7 +33,7 @@ pub fn chosen(solver: Option<&Bound<'_, PyAny>>, robot: &str) -> PyResult<Solver
     let Some(solver) = solver else { return Ok(Solver::default()) };
     let py = solver.py();
     if let Ok(name) = solver.cast::<PyString>() {
-        return named(py, name.to_str()?);
+        return named(py, &name.to_string_lossy());
     }
     let name = solver.getattr("name").and_then(|name| name.extract::<String>()).map_err(|_| {
         let names = Solver::names().collect::<Vec<_>>().join(", ");
