@@ -42,17 +42,20 @@ bench: build $(VENV)/.dev ## criterion benches of the core, then this library be
 	$(PY) benches/peers.py
 	$(PY) benches/closed_forms.py
 
-callgrind: $(VENV)/.pip ## instructions per solve against the committed numbers (needs valgrind)
+callgrind: build ## instructions per solve against the committed numbers (needs valgrind)
 	$(PY) benches/instructions.py
 
+# The stamps tell .ci/run that these need not run again until what they cover changes: commit them.
 aarch64: ## the core's tests for aarch64 under an emulator (sets itself up on Debian as root)
 	.ci/aarch64
+	.ci/stamp write aarch64
 
 sanitize: ## the core's lanes and batches under AddressSanitizer
 	.ci/sanitize
 
 miri: ## the lane types under Miri (needs a nightly toolchain with the component)
 	.ci/miri
+	.ci/stamp write miri
 
 wheel: $(VENV)/.build ## the wheel for this platform, in target/wheels
 	rm -rf $(WHEELS)
@@ -67,15 +70,14 @@ clean: ## remove what the other targets made, the environments included
 	rm -rf .venv .venv-* dist docs/_build docs/_generated examples/results benches/results
 	rm -rf .mypy_cache .pytest_cache .ruff_cache .hypothesis
 	rm -f python/agrik_fast/_native*.so
-	find python tests examples benches docs -name __pycache__ -prune -exec rm -rf {} +
+	find python tests examples benches docs tools -name __pycache__ -prune -exec rm -rf {} +
 
 build: $(NATIVE) ## the release extension, installed into .venv (quick when nothing changed)
 
-oracle: build $(ORACLE)/.done ## compare with Pinocchio (URDFs of real robots) and EAIK (branches); heavy downloads, own environment
-	rm -rf target/oracle
-	$(PY) -m maturin build --release $(LOCKED) --quiet --interpreter $(PY) --out target/oracle
+# The wheel holds what cargo compiled for `build`: making it takes seconds.
+oracle: build wheel $(ORACLE)/.done ## compare with Pinocchio (URDFs of real robots) and EAIK (branches); heavy downloads, own environment
 	$(ORACLE)/bin/python -m pip uninstall --quiet --yes agrik_fast
-	$(ORACLE)/bin/python -m pip install --quiet target/oracle/*.whl
+	$(ORACLE)/bin/python -m pip install --quiet $(WHEELS)/*.whl
 	$(ORACLE)/bin/python -m pytest tests/oracle
 
 # ---- the parts of `make test` ----------------------------------------------------------------
@@ -90,7 +92,7 @@ rust-test: $(VENV)/.pip
 	if cargo nextest --version >/dev/null 2>&1; \
 	then cargo nextest run $(LOCKED) --workspace --exclude agrik-py; \
 	else cargo test $(LOCKED) --workspace --exclude agrik-py --tests; fi
-	cargo test $(LOCKED) --doc -p agrik
+	cargo test $(LOCKED) --doc -p agrik-compute -p agrik
 
 python-lint: build $(VENV)/.dev
 	$(PY) -m ruff check .

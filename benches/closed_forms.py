@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 from peer_bench.machine import describe, measuring_core
 
-from agrik_fast.closed_form import StrawberryArm, TomatoArm
+from agrik_fast.arms import StrawberryArm, TomatoArm
 from agrik_fast.papers import strawberry
 
 # Limits of issue 5, ns a target.

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 import agrik_fast as ik
-from agrik_fast import goals
+from agrik_fast.tuning import goals
 
 POSITION = (
     "lm",

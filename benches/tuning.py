@@ -22,10 +22,13 @@ import numpy as np  # noqa: E402
 from peer_bench import machine  # noqa: E402
 
 import agrik_fast as ik  # noqa: E402
-from agrik_fast import goals  # noqa: E402
 from agrik_fast._native import Tuner  # noqa: E402
 from agrik_fast.solvers import StateSpace  # noqa: E402
-from agrik_fast.tune import Tuning, tune  # noqa: E402
+from agrik_fast.tuning import (  # noqa: E402
+    Tuning,
+    goals,
+    tune,
+)
 
 WANTED_S = 120.0
 """Limit for the swarm on two cores."""

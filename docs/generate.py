@@ -4,12 +4,13 @@ import dataclasses
 import math
 from pathlib import Path
 
+import architecture_picture
 import matplotlib as mpl
 import numpy as np
 
 import agrik_fast as ik
-from agrik_fast.goals import joint_uniform
 from agrik_fast.papers import hydrolek, redundant7, strawberry, tomato
+from agrik_fast.tuning.goals import joint_uniform
 
 mpl.use("Agg")
 # The same drawing has the same bytes, whoever makes it.
@@ -161,7 +162,7 @@ def draw_tuning(file: Path) -> None:
 
 def draw_populations(folder: Path) -> None:
     """Draw the best cost by generation of the published recipe's variants, and of the GA."""
-    arm, pose = ik.Robot.load("redundant7"), redundant7.experiments.target()
+    arm, pose = ik.Robot.load("redundant7"), redundant7.target()
     recipe = ik.solvers.DifferentialEvolution.paper()
     genetic = ik.solvers.GeneticAlgorithm(
         population=100,
@@ -220,6 +221,7 @@ def main(folder: Path) -> None:
     tomato.reproduce(folder / "papers" / "tomato")
     hydrolek.reproduce(folder / "papers" / "hydrolek")
     redundant7.reproduce(folder / "papers" / "redundant7", repeats=200)
+    architecture_picture.main(folder / "architecture")
     methods = folder / "methods"
     methods.mkdir(exist_ok=True)
     draw_laws(methods)

@@ -9,8 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from agrik_fast.cli.progress import for_stream
-from agrik_fast.cli.solve import SolveRequest, solve_file
-from agrik_fast.cli.summary import Summary, print_summaries
+from agrik_fast.cli.summary import print_summaries
+from agrik_fast.jobs import SolveRequest, Summary, solve_file
+
+Vector = tuple[float, float, float]
+X: Vector = (1.0, 0.0, 0.0)
+DOWN: Vector = (0.0, 0.0, -1.0)
 
 EXAMPLES = Path(__file__).resolve().parent
 TARGETS = EXAMPLES / "targets"
@@ -25,11 +29,11 @@ class Job:
     targets: str
     result: str
     task: str | None = None
-    tool_axis: str = "z"
-    direction: str | None = None
+    tool_axis: Vector = (0.0, 0.0, 1.0)
+    direction: Vector | None = None
 
     def request(self, results: Path) -> SolveRequest:
-        """Return what `agrik-fast solve` would be asked for."""
+        """Return what `solve_file` is asked for."""
         return SolveRequest(
             robot=self.robot,
             targets=TARGETS / self.targets,
@@ -47,7 +51,7 @@ JOBS = (
     Job("hydrolek", "hydrolek_workspace.csv", "hydrolek.csv"),
     Job("tomato", "tomato_points.npy", "tomato.npy"),
     # The gripper takes the fruit with its x axis down, free to turn about it.
-    Job("cucumber", "cucumber_grips.csv", "cucumber.csv", "axis", "x", "-z"),
+    Job("cucumber", "cucumber_grips.csv", "cucumber.csv", "axis", X, DOWN),
     Job("puma560", "puma560_poses.npz", "puma560.npz"),
     Job("ur5", "ur5_poses.parquet", "ur5.parquet"),
     Job("panda", "panda_poses.npz", "panda.npz"),

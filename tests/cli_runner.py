@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from typer.testing import CliRunner, Result
 
-from agrik_fast.cli import app as app_module
+from agrik_fast.cli import _app as app_module
 
 RunCommand = Callable[..., Result]
 

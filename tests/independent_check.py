@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from agrik_fast.cli.solve import SolveRequest, parse_axis
 from agrik_fast.io import read_results, read_targets
+from agrik_fast.jobs import SolveRequest
 from numpy_fk import fk, limits, pose_error
 
 # The last digits of two forward kinematics differ; tolerances are five orders above.
@@ -31,8 +31,8 @@ def count_within_tolerance(request: SolveRequest) -> int:
     )
     if request.task == "axis":
         assert request.direction is not None
-        tool_axis = np.array(parse_axis("tool-axis", request.tool_axis))
-        wanted = np.array(parse_axis("direction", request.direction))
+        tool_axis = np.array(request.tool_axis)
+        wanted = np.array(request.direction)
         axis = pose[:, :3, :3] @ (tool_axis / np.linalg.norm(tool_axis))
         unit = wanted / np.linalg.norm(wanted)
         angle = np.arctan2(np.linalg.norm(np.cross(axis, unit), axis=1), axis @ unit)

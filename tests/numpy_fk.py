@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Matrix = NDArray[np.float64]
 
-ROBOTS = Path(__file__).resolve().parent.parent / "python" / "agrik_fast" / "robots"
+ROBOTS = Path(__file__).resolve().parent.parent / "python" / "agrik_fast" / "robot" / "bundled"
 
 _TO_SI = {"m": 1.0, "mm": 1e-3, "rad": 1.0, "deg": np.pi / 180.0}
 

@@ -84,7 +84,7 @@ def test_the_source_distribution_builds_and_solves(repo_root: Path, tmp_path: Pa
 def test_wheel_holds_robots_types_and_licences_and_nothing_of_the_checkout(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     for robot in ("strawberry", "cucumber", "hydrolek", "tomato", "redundant7"):
-        assert f"agrik_fast/robots/{robot}.toml" in names
+        assert f"agrik_fast/robot/bundled/{robot}.toml" in names
     assert {"agrik_fast/py.typed", "agrik_fast/_native.pyi"} <= set(names)
     assert {Path(name).name for name in names} >= {"LICENSE-MIT", "LICENSE-APACHE"}
     others = {name.split("/")[0] for name in names} - {"agrik_fast"}

@@ -7,12 +7,11 @@ with it the command line's help) costs next to nothing.
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from . import errors, euler, solvers, tasks
+    from . import errors, euler, rotations, solvers, tasks
     from ._native import __version__, get_num_threads, set_num_threads, simd_level
     from .errors import AgrikError, ArgumentError, RobotFileError, UnknownNameError, UrdfError
-    from .path import Path
     from .result import Branches, IkResult, Singularity, Status
-    from .robot import Robot
+    from .robot import Path, Robot
 else:
     from ._lazy import __dir__ as __dir__
     from ._lazy import __getattr__ as __getattr__
@@ -33,6 +32,7 @@ __all__ = [
     "errors",
     "euler",
     "get_num_threads",
+    "rotations",
     "set_num_threads",
     "simd_level",
     "solvers",

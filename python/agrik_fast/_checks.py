@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from .errors import ArgumentError
 
 FloatArray = NDArray[np.float64]
+
+Matrix: TypeAlias = tuple[tuple[float, ...], ...]
+"""A matrix as rows of numbers."""
 
 
 def shown(value: object) -> str:
@@ -88,6 +92,16 @@ def finite_array(argument: str, value: ArrayLike, shape: tuple[int, ...]) -> Flo
     if not np.isfinite(array).all():
         raise ArgumentError(argument, str(array.tolist()), "finite numbers")
     return array
+
+
+def matrix(argument: str, value: ArrayLike) -> Matrix:
+    """Return a matrix of finite numbers as rows of floats."""
+    array = float_array(argument, value)
+    if array.ndim != 2 or array.size == 0:
+        raise ArgumentError(argument, f"shape {array.shape}", "a matrix")
+    if not np.isfinite(array).all():
+        raise ArgumentError(argument, "NaN or infinity", "finite numbers")
+    return tuple(tuple(row) for row in array.tolist())
 
 
 def direction(argument: str, value: object) -> tuple[float, float, float]:

@@ -10,7 +10,7 @@ MODULE_OF = {
     "ArgumentError": "errors",
     "Branches": "result",
     "IkResult": "result",
-    "Path": "path",
+    "Path": "robot",
     "Robot": "robot",
     "RobotFileError": "errors",
     "Singularity": "result",
@@ -24,7 +24,7 @@ MODULE_OF = {
 }
 """Module that defines each public name."""
 
-MODULES = ("errors", "euler", "solvers", "tasks")
+MODULES = ("errors", "euler", "rotations", "solvers", "tasks")
 """Modules that are public names themselves."""
 
 _PACKAGE = "agrik_fast"

@@ -1,16 +1,14 @@
 """The compiled core: chains, kinematics and solvers.
 
 Users go through `agrik_fast.Robot`, which hands its arguments on; this module checks them
-and raises the classes of `agrik_fast.errors`.
+and raises the classes of `agrik_fast.errors`. Tasks and solvers are read by their names and
+fields, so that it knows none of their classes.
 """
 
 from typing import Any, TypedDict, final, type_check_only
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from .solvers import Solver
-from .tasks import Task
 
 __all__ = [
     "Branches",
@@ -21,12 +19,15 @@ __all__ = [
     "TomatoArm",
     "Tuner",
     "__version__",
+    "check_solver",
     "default_settings",
     "get_num_threads",
     "ik_paced",
     "ik_record",
     "set_num_threads",
     "simd_level",
+    "solver_names",
+    "statuses",
 ]
 
 __version__: str
@@ -196,9 +197,6 @@ class Chain:
     def with_base(self, base: ArrayLike) -> Chain:
         """Return the chain with another base, shape (4, 4), m."""
 
-    def with_name(self, name: str) -> Chain:
-        """Return the chain under another name."""
-
     def fk(self, q: ArrayLike) -> NDArray[np.float64]:
         """Return tool poses, shape (..., 4, 4), of joint values, shape (..., dof)."""
 
@@ -218,8 +216,8 @@ class Chain:
     def ik(
         self,
         targets: ArrayLike,
-        task: Task | str | None = None,
-        solver: Solver | str | None = None,
+        task: object = None,
+        solver: object = None,
         q0: ArrayLike | None = None,
         seed: int | None = None,
         tool: ArrayLike | None = None,
@@ -247,7 +245,7 @@ class Chain:
         max_joint_step: ArrayLike,
         q0: ArrayLike | None = None,
         pull: float | None = None,
-        task: Task | str | None = None,
+        task: object = None,
         seed: int | None = None,
         tool: ArrayLike | None = None,
         position_tolerance: float | None = None,
@@ -258,8 +256,8 @@ class Chain:
     def cost_history(
         self,
         target: ArrayLike,
-        solver: Solver | str,
-        task: Task | str | None = None,
+        solver: object,
+        task: object = None,
         q0: ArrayLike | None = None,
         seed: int | None = None,
         tool: ArrayLike | None = None,
@@ -407,7 +405,7 @@ class IkResult:
 
 @final
 class StrawberryArm:
-    """Closed forms of the strawberry arm; see `agrik_fast.closed_form.StrawberryArm`."""
+    """Closed forms of the strawberry arm; see `agrik_fast.arms.StrawberryArm`."""
 
     def __new__(
         cls,
@@ -474,7 +472,7 @@ class StrawberryArm:
 
 @final
 class TomatoArm:
-    """Closed form of the tomato arm; see `agrik_fast.closed_form.TomatoArm`."""
+    """Closed form of the tomato arm; see `agrik_fast.arms.TomatoArm`."""
 
     def __new__(
         cls,
@@ -563,7 +561,7 @@ class Tuner:
     def __new__(
         cls,
         chain: Chain,
-        solver: Solver,
+        solver: object,
         goals: ArrayLike,
         shape: str,
         method: str,
@@ -652,6 +650,26 @@ def default_settings() -> dict[str, dict[str, object]]:
     dict of dict
         Field names and values as in the dataclasses of `agrik_fast.solvers`.
     """
+
+def check_solver(solver: object) -> None:
+    """Refuse a solver whose fields are out of their ranges.
+
+    Parameters
+    ----------
+    solver : str or object
+        A name, or an object with the fields of that solver.
+
+    Raises
+    ------
+    ArgumentError
+        A field is out of its range; it is named without the class.
+    """
+
+def solver_names() -> list[str]:
+    """Return the names of all solvers: step solvers, population solvers, the others."""
+
+def statuses() -> dict[str, int]:
+    """Return the codes of `agrik_fast.Status` by their names in lower case, in order."""
 
 def set_num_threads(n: int | None) -> None:
     """Set the number of threads of batch calls in this process.

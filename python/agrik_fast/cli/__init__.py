@@ -1,5 +1,5 @@
 """The command ``agrik-fast``."""
 
-from .app import main
+from ._app import main
 
 __all__ = ["main"]

@@ -1,5 +1,5 @@
 """``python -m agrik_fast.cli`` is ``agrik-fast``."""
 
-from .app import main
+from ._app import main
 
 main()

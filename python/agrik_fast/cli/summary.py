@@ -1,107 +1,50 @@
-"""The numbers of a finished batch and their table."""
+"""The table of finished batches."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import TextIO
 
 import numpy as np
 
-from ..io import ResultChunk
+from ..jobs import Summary
 from ..result import Status
-from .spread import Spread
 
-
-@dataclass
-class Summary:
-    """Counts and errors of a batch, gathered chunk by chunk.
-
-    Attributes
-    ----------
-    label : str
-        The robot's name.
-    task : str
-    with_orientation : bool
-        True if the task has an orientation error.
-    counts : dict of Status to int
-    total_s, solve_s : float
-        Seconds in all, and in the solver alone.
-    """
-
-    label: str
-    task: str
-    with_orientation: bool
-    counts: dict[Status, int] = field(default_factory=lambda: dict.fromkeys(Status, 0))
-    total_s: float = 0.0
-    solve_s: float = 0.0
-    _position: Spread = field(default_factory=Spread, repr=False)
-    _orientation: Spread = field(default_factory=Spread, repr=False)
-
-    def add(self, chunk: ResultChunk) -> None:
-        """Count a chunk; errors are those of solved rows only."""
-        for status in Status:
-            self.counts[status] += int(np.count_nonzero(chunk.status == status))
-        self._position.add(chunk.position_error[chunk.success])
-        if self.with_orientation:
-            self._orientation.add(chunk.orientation_error[chunk.success])
-
-    @property
-    def rows(self) -> int:
-        """Number of rows."""
-        return sum(self.counts.values())
-
-    @property
-    def solved(self) -> int:
-        """Number of rows within tolerance and limits."""
-        return self.counts[Status.CONVERGED]
-
-    @property
-    def rate(self) -> float:
-        """Rows per second of solver time."""
-        return self.rows / self.solve_s if self.solve_s > 0.0 else float("nan")
-
-    def position_error(self) -> tuple[float, float]:
-        """Return median (to 1 %) and worst position error of the solved rows, m; NaN if none."""
-        return self._position.median(), self._position.largest()
-
-    def orientation_error(self) -> tuple[float, float]:
-        """Return median (to 1 %) and worst angle of the solved rows, rad; NaN if none."""
-        return self._orientation.median(), self._orientation.largest()
-
-    def cells(self) -> list[str]:
-        """Return the texts under `HEADINGS`."""
-        position, orientation = self.position_error(), self.orientation_error()
-        return [
-            self.label,
-            self.task,
-            str(self.rows),
-            str(self.solved),
-            str(self.counts[Status.OUT_OF_REACH]),
-            str(self.counts[Status.NOT_FOUND]),
-            str(self.counts[Status.BAD_INPUT]),
-            *(_scientific(value) for value in (*position, *orientation)),
-            f"{self.total_s:.2f}",
-            "-" if np.isnan(self.rate) else f"{self.rate:.0f}",
-        ]
-
-
-HEADINGS = (
-    "robot",
-    "task",
-    "rows",
-    "solved",
-    "out of reach",
-    "not found",
-    "bad input",
-    "median m",
-    "worst m",
-    "median rad",
-    "worst rad",
-    "time s",
-    "solves/s",
-)
+# Statuses that have a column in any case; the others have one where some row has them.
+_ALWAYS = (Status.CONVERGED, Status.OUT_OF_REACH, Status.NOT_FOUND, Status.BAD_INPUT)
 _TEXT_COLUMNS = 2
+
+
+def _title(status: Status) -> str:
+    return "solved" if status is Status.CONVERGED else status.name.lower().replace("_", " ")
+
+
+def table(summaries: Sequence[Summary]) -> list[list[str]]:
+    """Return the headings and one row per batch, with a column for each status that occurs."""
+    statuses = [
+        status
+        for status in Status
+        if status in _ALWAYS or any(summary.counts[status] for summary in summaries)
+    ]
+    titles = [_title(status) for status in statuses]
+    errors = ["median m", "worst m", "median rad", "worst rad"]
+    headings = ["robot", "task", "rows", *titles, *errors, "time s", "solves/s"]
+    return [headings, *(_cells(summary, statuses) for summary in summaries)]
+
+
+def _cells(summary: Summary, statuses: Sequence[Status]) -> list[str]:
+    return [
+        summary.label,
+        summary.task,
+        str(summary.rows),
+        *(str(summary.counts[status]) for status in statuses),
+        *(
+            _scientific(value)
+            for value in (*summary.position_error(), *summary.orientation_error())
+        ),
+        f"{summary.total_s:.2f}",
+        "-" if np.isnan(summary.rate) else f"{summary.rate:.0f}",
+    ]
 
 
 def _scientific(value: float) -> str:
@@ -114,42 +57,43 @@ def print_summaries(summaries: Sequence[Summary], stream: TextIO) -> None:
     A terminal shows a single batch downwards, and several as sentences if the table is
     wider than the window.
     """
-    rows = [summary.cells() for summary in summaries]
+    lines = table(summaries)
     if stream.isatty():
-        _print_rich(rows, stream)
+        _print_rich(*lines, stream=stream)
     else:
-        _print_plain([list(HEADINGS), *rows], stream)
+        _print_plain(lines, stream)
 
 
-def _print_rich(rows: Sequence[Sequence[str]], stream: TextIO) -> None:
+def _print_rich(headings: Sequence[str], *rows: Sequence[str], stream: TextIO) -> None:
     from rich.console import Console
     from rich.table import Table
 
     console = Console(file=stream)
     if len(rows) == 1:
-        table = Table("result", rows[0][0])
-        for heading, cell in zip(HEADINGS[1:], rows[0][1:], strict=True):
-            table.add_row(heading, cell)
-        console.print(table)
+        column = Table("result", rows[0][0])
+        for heading, cell in zip(headings[1:], rows[0][1:], strict=True):
+            column.add_row(heading, cell)
+        console.print(column)
         return
-    table = Table()
-    for k, heading in enumerate(HEADINGS):
-        table.add_column(heading, justify="left" if k < _TEXT_COLUMNS else "right")
+    ruled = Table()
+    for k, heading in enumerate(headings):
+        ruled.add_column(heading, justify="left" if k < _TEXT_COLUMNS else "right")
     for row in rows:
-        table.add_row(*row)
+        ruled.add_row(*row)
     # Measured in a wide window, for a narrow one would cut the answer down to its own width.
     wide = console.options.update(max_width=1_000)
-    if console.measure(table, options=wide).maximum <= console.width:
-        console.print(table)
+    if console.measure(ruled, options=wide).maximum <= console.width:
+        console.print(ruled)
     else:
         for row in rows:
-            print(_sentences(row), file=stream)
+            print(_sentences(headings, row), file=stream)
 
 
-def _sentences(row: Sequence[str]) -> str:
+def _sentences(headings: Sequence[str], row: Sequence[str]) -> str:
     """Return a batch's numbers in two lines that fit 80 characters."""
-    cell = dict(zip(HEADINGS, row, strict=True))
-    counts = ", ".join(f"{cell[name]} {name}" for name in HEADINGS[3:7])
+    cell = dict(zip(headings, row, strict=True))
+    titles = headings[headings.index("rows") + 1 : headings.index("median m")]
+    counts = ", ".join(f"{cell[name]} {name}" for name in titles)
     errors = f"error median {cell['median m']} m, worst {cell['worst m']} m"
     if cell["median rad"] != "-":
         errors += f", {cell['median rad']} rad, {cell['worst rad']} rad"
@@ -160,7 +104,7 @@ def _sentences(row: Sequence[str]) -> str:
 
 
 def _print_plain(lines: Sequence[Sequence[str]], stream: TextIO) -> None:
-    widths = [max(len(line[k]) for line in lines) for k in range(len(HEADINGS))]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     for line in lines:
         padded = [
             cell.ljust(width) if k < _TEXT_COLUMNS else cell.rjust(width)

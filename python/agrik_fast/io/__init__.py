@@ -1,8 +1,11 @@
 """Targets from files and results to files, in chunks: CSV, NPZ, NPY and Parquet."""
 
-from .errors import DataFileError, ResultFileError, TargetFileError
-from .results import ResultChunk, ResultLayout, ResultWriter, open_results, read_results
-from .targets import TargetChunk, TargetReader, read_targets
+from ._errors import DataFileError, ResultFileError, TargetFileError
+from ._reader import TargetReader
+from ._records import ResultChunk, ResultLayout, TargetChunk
+from ._results import check_result_path, open_results, read_results
+from ._targets import read_targets
+from ._writer import ResultWriter
 
 __all__ = [
     "DataFileError",
@@ -13,6 +16,7 @@ __all__ = [
     "TargetChunk",
     "TargetFileError",
     "TargetReader",
+    "check_result_path",
     "open_results",
     "read_results",
     "read_targets",

@@ -1,10 +1,54 @@
-"""Tables and figures of the papers that the bundled robots come from, one module a paper.
+"""Tables and figures of the papers that the bundled robots come from, one package a paper.
 
-Each has a function ``reproduce(directory, report=...)`` that writes its files and returns
-their paths; ``agrik-fast paper NAME -o DIR`` calls it. Figures need the extra ``papers``.
+Each has what the paper prints (published), what we compute (tables), drawings (figures) and
+a function ``reproduce(directory, report=...)`` that writes the files and returns their
+paths; ``agrik-fast paper NAME -o DIR`` calls it. Figures need the extra ``papers``.
 """
 
-PAPERS = ("strawberry", "tomato", "hydrolek", "redundant7")
-"""Names of the papers, each a module here."""
+from __future__ import annotations
 
-__all__ = ["PAPERS"]
+import importlib
+from collections.abc import Callable
+from pathlib import Path
+
+__all__ = ["PAPERS", "reproduce"]
+
+PAPERS = ("strawberry", "tomato", "hydrolek", "redundant7")
+"""Names of the papers, each a package here."""
+
+
+def reproduce(name: str, directory: Path, report: Callable[[str], None]) -> list[Path]:
+    """Write the tables and figures of a paper into a folder.
+
+    Parameters
+    ----------
+    name : str
+        One of `PAPERS`.
+    directory : Path
+        Folder, made if need be; files of the same names are replaced.
+    report : callable
+        Told what is being worked on.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    UnknownNameError
+        No such paper.
+    AgrikError
+        Matplotlib is missing.
+    """
+    from ..errors import UnknownNameError
+
+    if name not in PAPERS:
+        raise UnknownNameError("paper", name, PAPERS)
+    # Whether figures can be drawn shows before minutes of computing, not after.
+    from ._output import figure
+
+    figure(1.0, 1.0)
+    module = importlib.import_module(f".{name}", __name__)
+    files: list[Path] = module.reproduce(directory, report=report)
+    return files

@@ -6,6 +6,7 @@
 //! of Python. Lengths are in metres, angles in radians.
 
 pub mod arms;
+pub mod auto;
 pub mod call;
 pub mod chain;
 pub mod closed_form;
@@ -16,4 +17,6 @@ pub mod task;
 pub mod tune;
 
 pub use agrik_compute::allowed::LARGEST;
-pub use agrik_compute::{Allowed, Error, Result, allowed, error, lanes, random, threads};
+pub use agrik_compute::{
+    Allowed, Error, Field, Number, Result, allowed, error, lanes, random, threads,
+};

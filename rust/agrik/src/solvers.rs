@@ -1,5 +1,6 @@
 //! All solvers by their names, and one way to ask any of them.
 
+use crate::auto::Auto;
 use crate::call::{AnswersMut, Request, Solve};
 use crate::closed_form::{ArmAngle, Choice, ClosedForm, Query};
 use crate::error::Result;
@@ -81,7 +82,7 @@ impl Solver {
             Self::Auto
                 if request.task().fixes_pose() && ClosedForm::of(request.chain()).is_ok() =>
             {
-                Ok(Call::Query(Query::new(request, ArmAngle::Free, Choice::default())?))
+                Ok(Call::Auto(Auto::new(request)?))
             }
             Self::Auto => Ok(Call::Plan(Plan::new(request, Settings::default())?)),
         }
@@ -103,6 +104,8 @@ pub enum Call<'a> {
     Evolution(population::Evolution<'a>),
     /// Of a closed form.
     Query(Query<'a>),
+    /// Of a closed form, with the default step solver behind it.
+    Auto(Auto<'a>),
 }
 
 impl Call<'_> {
@@ -112,6 +115,7 @@ impl Call<'_> {
             Self::Plan(plan) => plan,
             Self::Evolution(evolution) => evolution,
             Self::Query(query) => query,
+            Self::Auto(auto) => auto,
         }
     }
 }

@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from agrik_fast import gain_file
-from agrik_fast.gain_file import GainFile
+from agrik_fast.solvers import gain_file
+from agrik_fast.solvers.gain_file import GainFile
 
 HERE = Path(__file__).parent
 PAPER_AXES = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]
@@ -35,7 +35,7 @@ def write(folder: Path, name: str, tables: dict[str, Any]) -> None:
 
 def main() -> None:
     gains = json.loads((HERE / "gains.json").read_text())
-    folder = Path(gain_file.__file__).parent / "gains"
+    folder = Path(gain_file.__file__).parent / "bundled"
     for name, numbers in gains["hydrolek_pid"].items():
         tables: dict[str, Any] = {
             "solver": "ik-pid",

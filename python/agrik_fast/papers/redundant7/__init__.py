@@ -3,60 +3,44 @@ Differential Evolution Algorithm": the single-point test (figure 3), the repetit
 (figure 4) with the runs that fail, and what of the recipe matters.
 """  # noqa: D205 - the title does not fit one line
 
-from __future__ import annotations
+from ._published import (
+    ANGLES,
+    FITTED_LENGTHS,
+    POSITION,
+    PUBLISHED_COST,
+    PUBLISHED_MEAN,
+    PUBLISHED_Q,
+)
+from ._reproduce import reproduce
+from ._tables import (
+    TOLERANCE,
+    ablation,
+    arm,
+    comparison,
+    cost,
+    fitted_arm,
+    lengths,
+    repeated,
+    single_point,
+    target,
+)
 
-from collections.abc import Callable
-from pathlib import Path
-
-from . import experiments, output
-
-__all__ = ["reproduce"]
-
-REPEATS = 1000
-"""Seeds of the long repetitive test, targets of the comparison, runs a row of the ablation."""
-
-
-def reproduce(
-    directory: str | Path, repeats: int = REPEATS, report: Callable[[str], None] | None = None
-) -> list[Path]:
-    """Write the tables (CSV, Markdown) and figures (PNG, SVG) of the paper.
-
-    Parameters
-    ----------
-    directory : str or path
-        Where to; made if it does not exist.
-    repeats : int, default 1000
-        Runs behind each share of successes, >= 30; fewer are quicker and less certain.
-    report : callable, optional
-        Called with a line of text for each part that is done.
-
-    Returns
-    -------
-    list of path
-        The files written.
-    """
-    folder = Path(directory)
-    folder.mkdir(parents=True, exist_ok=True)
-    say = report or (lambda _: None)
-    files: list[Path] = []
-
-    lengths = experiments.lengths()
-    files += output.table(folder, "lengths", lengths)
-    say("lengths and angles of the published joint vector (section 2)")
-
-    single = experiments.single_point()
-    files += output.table(folder, "single_point", single.table)
-    files += output.convergence(folder, single)
-    say(f"single-point test (figure 3): cost {single.costs[-1]:.2e} after 200 generations")
-
-    repeated = experiments.repeated(max(repeats, 30))
-    files += output.table(folder, "repeated", repeated.table)
-    files += output.thirty(folder, repeated)
-    files += output.histogram(folder, repeated)
-    say(f"repetitive test (figure 4): {repeated.share:.1%} of {len(repeated.costs)} runs succeed")
-
-    files += output.table(folder, "ablation", experiments.ablation(repeats))
-    say("ablation of the recipe")
-    files += output.table(folder, "comparison", experiments.comparison(repeats))
-    say("differential evolution beside the step solver on random targets")
-    return files
+__all__ = [
+    "ANGLES",
+    "FITTED_LENGTHS",
+    "POSITION",
+    "PUBLISHED_COST",
+    "PUBLISHED_MEAN",
+    "PUBLISHED_Q",
+    "TOLERANCE",
+    "ablation",
+    "arm",
+    "comparison",
+    "cost",
+    "fitted_arm",
+    "lengths",
+    "repeated",
+    "reproduce",
+    "single_point",
+    "target",
+]

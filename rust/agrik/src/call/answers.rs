@@ -145,6 +145,24 @@ impl<'a> AnswersMut<'a> {
         self.status.is_empty()
     }
 
+    /// Some row ended with a status.
+    pub fn any(&self, status: Status) -> bool {
+        self.status.contains(&(status as u8))
+    }
+
+    /// The same rows, lent for a while.
+    pub fn reborrow(&mut self) -> AnswersMut<'_> {
+        AnswersMut {
+            first: self.first,
+            q: self.q,
+            status: self.status,
+            position_error: self.position_error,
+            orientation_error: self.orientation_error,
+            iterations: self.iterations,
+            restarts: self.restarts,
+        }
+    }
+
     /// The rows in runs of at most `size`.
     pub fn split(self, size: usize) -> Vec<AnswersMut<'a>> {
         let dof = if self.status.is_empty() { 1 } else { self.q.len() / self.status.len() };

@@ -42,13 +42,15 @@
 
 use std::f64::consts::TAU;
 
-use super::intervals::{Bent, limit_cuts};
+use super::intervals::Bent;
 use super::proof_costs::{Costs, Weight, turn};
-use super::proof_ranges::{Range, Spoke, Wheel};
+use super::proof_ranges::{Spoke, Wheel};
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::families::srs::Srs;
 use crate::closed_form::geometry::candidate::JOINTS;
 use crate::closed_form::geometry::limit::Limit;
+use crate::closed_form::geometry::pieces::limit_cuts;
+use crate::closed_form::geometry::range::Range;
 use crate::closed_form::geometry::turn::Meeting;
 use crate::lanes::Real;
 

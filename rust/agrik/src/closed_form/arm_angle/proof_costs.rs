@@ -3,10 +3,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::proof_ranges::{Range, Spoke, floor};
+use super::proof_ranges::{Spoke, floor};
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::geometry::candidate::JOINTS;
 use crate::closed_form::geometry::limit::Limit;
+use crate::closed_form::geometry::range::Range;
 
 /// Share of the rounding past a limit ([`super::check::SLACK`]) that is made use of here.
 const HELD: f64 = 5e-11;

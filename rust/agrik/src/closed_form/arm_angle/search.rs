@@ -30,8 +30,6 @@ const LOOKS: [(f64, usize, f64); 3] = [(0.45, 6, 1e-3), (0.1, 8, 1e-5), (0.005, 
 
 /// What was found for the lanes of a group.
 pub(crate) struct Found<R> {
-    /// Lanes for which it is proven that no arm angle brings a branch inside the limits.
-    pub none: Lanes,
     /// Lanes whose best branch is known.
     pub known: Lanes,
     /// That branch's line, elbow and sides.
@@ -69,7 +67,6 @@ pub(crate) fn search<R: Real>(
     let elbow = at.elbows[0].or(spot.elbow.lt(R::splat(0.5)), &at.elbows[1]);
     let (cost, mut psi) = followed(arm, &at, &elbow, &weights, margin, &spot);
     let found = R::bits(cost.lt(R::splat(f64::MAX)));
-    let mut none = 0;
     let mut left = if proof { used } else { used & !found };
     let known = used & !left;
     while left != 0 {
@@ -87,13 +84,11 @@ pub(crate) fn search<R: Real>(
         }
         if best.cost < f64::INFINITY {
             psi.set_lane(lane, best.psi);
-        } else if all_told(arm, single) {
-            none |= 1 << lane;
         }
     }
     group.angle = psi.sin_cos();
     let sides = [Side::of(spot.sides[0]), Side::of(spot.sides[1])];
-    Found { none, known, line: at.line, elbow, sides }
+    Found { known, line: at.line, elbow, sides }
 }
 
 /// How the joints count: the first three, the last three, and the fourth.
@@ -290,15 +285,6 @@ fn middles(arm: &Srs, single: &mut Group<'_, f64>, choice: Choice, best: &mut Be
     }
 }
 
-/// Whether arm angles tell of all postures: not where axes come into line, and joints may
-/// share an angle in any way.
-#[inline(never)]
-fn all_told(arm: &Srs, single: &Group<'_, f64>) -> bool {
-    let at = arm.reach(&single.goal, single.job.tool(), &single.near.preferred);
-    let bent = elbows(arm, &at, single.job.limits());
-    !bent.iter().flat_map(proof::wheels).any(|wheel| wheel.comes_in_line())
-}
-
 #[cfg(test)]
 mod tests {
     use std::f64::consts::FRAC_PI_2;
@@ -308,6 +294,7 @@ mod tests {
     use crate::chain::{Chain, DhConvention, DhRow, JointKind};
     use crate::closed_form::ClosedForm;
     use crate::closed_form::branch::group::{Job, Near};
+    use crate::closed_form::branch::unreachable::is_out_of_reach;
     use crate::random::Sequence;
     use crate::task::{Goal, Task};
 
@@ -365,7 +352,8 @@ mod tests {
                     assert!(in_line || tolerance <= most, "{limit} {case} {choice:?} {tolerance}");
                     let found = best.cost < f64::INFINITY;
                     assert!(found || !told, "{limit} {case} {choice:?}");
-                    assert!(found || !all_told(srs, &single), "{limit} {case} {choice:?}");
+                    let none = is_out_of_reach(&single.job, &single.goal, true);
+                    assert!(!none, "{limit} {case} {choice:?}");
                 }
             }
         }

@@ -31,6 +31,22 @@ fn wrap<R: Real>(limits: &[Limit], q: &mut [R], centre: &[R]) -> Lanes {
     R::bits(inside)
 }
 
+/// Takes the joint values of a branch that is outside by whole turns to where they are
+/// outside by the least, and says by how much the worst of them is, rad.
+pub fn least_outside(limits: &[Limit], q: &mut [f64; JOINTS]) -> f64 {
+    let mut worst = 0.0_f64;
+    for (x, limit) in q.iter_mut().zip(limits) {
+        let outside = |x: f64| (limit.lower - x).max(x - limit.upper).max(0.0);
+        let off = *x - limit.middle;
+        let other = *x - TAU * (off / TAU).round();
+        if outside(other) < outside(*x) {
+            *x = other;
+        }
+        worst = worst.max(outside(*x));
+    }
+    worst
+}
+
 /// Brings the joint values of a branch within limits by whole turns; returns the lanes in
 /// which all are.
 #[inline(always)]
@@ -66,6 +82,7 @@ pub struct Exact<'a> {
     /// Which entry of `q` each joint along the chain is.
     pub variables: &'a [usize],
     pub tail: Tail,
+    pub tolerance: Tolerance,
     position2: f64,
     chord2: f64,
 }
@@ -82,6 +99,7 @@ impl<'a> Exact<'a> {
             compiled,
             variables,
             tail,
+            tolerance,
             position2: tolerance.position * tolerance.position,
             // A rotation by x moves the three unit axes by 2 sin(x / 2) sqrt(2) in all.
             chord2: 8.0 * (0.5 * tolerance.orientation.min(3.0)).sin().powi(2),

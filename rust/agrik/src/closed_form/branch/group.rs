@@ -2,7 +2,8 @@
 
 use super::check::{Exact, Pair, wrap_one, wrap_pair};
 use super::choice::Choice;
-use super::polish::{is_rough, polished};
+use super::open_angles::{self, Open};
+use super::polish::{Polished, is_rough, polished};
 use crate::call::Request;
 use crate::closed_form::families::ClosedForm;
 use crate::closed_form::families::srs::{Elbow, Line, Reached, Srs};
@@ -20,6 +21,9 @@ pub(crate) struct Job<'a> {
     pub form: &'a ClosedForm,
     pub geometry: &'a Geometry,
     pub exact: Exact<'a>,
+    /// A branch may be brought nearer by steps: not where they would change an arm angle that
+    /// was asked for.
+    pub steps: bool,
 }
 
 impl<'a> Job<'a> {
@@ -27,7 +31,7 @@ impl<'a> Job<'a> {
         let geometry = form.geometry();
         let (compiled, aim) = (request.chain().compiled(), request.aim());
         let exact = Exact::new(compiled, &geometry.variables, *aim.tail(), aim.tolerance());
-        Self { form, geometry, exact }
+        Self { form, geometry, exact, steps: true }
     }
 
     /// Limits along the chain.
@@ -66,28 +70,74 @@ impl<'a> Job<'a> {
     ) -> ([Lanes; 2], [(R, R); 2]) {
         let mut inside = wrap_pair(self.limits(), pair, centre);
         let mut missed = self.exact.miss_pair(pair, goal);
-        if !self.form.loses_digits() {
-            return (inside, missed);
-        }
-        for ((branch, inside), left) in pair.iter_mut().zip(&mut inside).zip(&mut missed) {
-            let mut rough = R::bits(is_rough(left.0, left.1)) & !branch.merged;
-            while rough != 0 {
-                let lane = rough.trailing_zeros() as usize;
-                rough &= rough - 1;
+        let (digits, misfit) = (self.form.loses_digits(), self.misfits());
+        for way in 0..2 {
+            let ((position2, chord2), branch) = (missed[way], &pair[way]);
+            let near = self.exact.is_near(position2, chord2);
+            // In line or stretched, inside only with other shares of the open angles.
+            let [shoulder, elbow, wrist] = branch.singular;
+            let mut mend = (shoulder | elbow | wrist) & near & !inside[way];
+            if digits || misfit {
+                let rough = R::bits(is_rough(position2, chord2));
+                mend |= rough & if digits { Lanes::MAX } else { !near };
+            }
+            mend &= !branch.merged;
+            while mend != 0 {
+                let lane = mend.trailing_zeros() as usize;
+                mend &= mend - 1;
                 let (mut q, mut near) = ([0.0; JOINTS], [0.0; JOINTS]);
                 for j in 0..JOINTS {
-                    (q[j], near[j]) = (branch.q[j].lane(lane), centre[j].lane(lane));
+                    (q[j], near[j]) = (pair[way].q[j].lane(lane), centre[j].lane(lane));
                 }
-                let found = polished(&self.exact, self.limits(), q, &goal.of_lane(lane), &near);
-                for (x, to) in branch.q.iter_mut().zip(found.q) {
+                let found = self.mended(
+                    Polished {
+                        q,
+                        inside: inside[way] >> lane & 1 != 0,
+                        position2: missed[way].0.lane(lane),
+                        chord2: missed[way].1.lane(lane),
+                    },
+                    &goal.of_lane(lane),
+                    &near,
+                    pair[way].singular.map(|lanes| lanes >> lane & 1 != 0),
+                    way,
+                );
+                for (x, to) in pair[way].q.iter_mut().zip(found.q) {
                     x.set_lane(lane, to);
                 }
-                left.0.set_lane(lane, found.position2);
-                left.1.set_lane(lane, found.chord2);
-                *inside = *inside & !(1 << lane) | u32::from(found.inside) << lane;
+                missed[way].0.set_lane(lane, found.position2);
+                missed[way].1.set_lane(lane, found.chord2);
+                inside[way] = inside[way] & !(1 << lane) | u32::from(found.inside) << lane;
             }
         }
         (inside, missed)
+    }
+
+    /// The recognised geometry differs from the chain's so much that a branch may miss.
+    #[inline(always)]
+    fn misfits(&self) -> bool {
+        let misfit = &self.geometry.misfit;
+        misfit.position.max(misfit.orientation) > 1e-10
+    }
+
+    /// A branch of one target that lost digits, or whose open angles are outside the limits.
+    #[inline(never)]
+    fn mended(
+        &self,
+        mut branch: Polished,
+        goal: &Goal<f64>,
+        centre: &[f64; JOINTS],
+        singular: [bool; 3],
+        way: usize,
+    ) -> Polished {
+        let near = |b: &Polished| self.exact.is_near(b.position2, b.chord2) & 1 != 0;
+        if self.form.loses_digits() || !near(&branch) {
+            branch = polished(&self.exact, self.limits(), branch, goal, centre);
+        }
+        if near(&branch) && !branch.inside && singular != [false; 3] {
+            let open = Open { q: branch.q, singular, way, centre };
+            branch = open_angles::inside(self, goal, &open).unwrap_or(branch);
+        }
+        branch
     }
 
     /// Axes of the last joint's frame and the tool point at `q`.
@@ -230,7 +280,8 @@ impl<'a, R: Real> Group<'a, R> {
         let mut one = arm.one(line, elbow, sides, self.angle, preferred);
         self.inside[0] = wrap_one(self.job.limits(), &mut one, &self.near.centre);
         let (position2, chord2) = self.job.exact.miss(&one.q, &self.goal);
-        self.reached[0] = self.job.exact.is_near(position2, chord2) & !one.merged;
+        // The only branch: that it may be another one over again does not matter.
+        self.reached[0] = self.job.exact.is_near(position2, chord2);
         (self.position2[0], self.chord2[0]) = (position2, chord2);
         self.candidates[0] = one;
     }

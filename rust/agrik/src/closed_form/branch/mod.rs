@@ -3,4 +3,6 @@
 pub mod check;
 pub mod choice;
 pub mod group;
-mod polish;
+pub mod open_angles;
+pub mod polish;
+pub mod unreachable;

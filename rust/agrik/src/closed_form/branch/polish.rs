@@ -16,6 +16,10 @@ const FINE: f64 = 1e-10;
 const FAR: f64 = 1e-2;
 /// Most steps of a branch.
 const STEPS: usize = 4;
+/// Joint values that are held inside the limits may begin so far from the goal (m, rad).
+const FARTHEST: f64 = 0.2;
+/// Share of half the squared error in a step's damping.
+const DAMPING: f64 = 0.1;
 
 /// Squared distance and squared chord of a branch that gets a step.
 #[inline(always)]
@@ -43,7 +47,7 @@ pub struct Polished {
 pub fn polished(
     exact: &Exact<'_>,
     limits: &[Limit],
-    q: [f64; JOINTS],
+    mut best: Polished,
     goal: &Goal<f64>,
     centre: &[f64; JOINTS],
 ) -> Polished {
@@ -53,12 +57,11 @@ pub fn polished(
         let (position2, chord2) = exact.miss(&branch.q, goal);
         Polished { q: branch.q, inside, position2, chord2 }
     };
-    let mut best = checked(q);
     for _ in 0..STEPS {
         if !is_rough(best.position2, best.chord2) {
             break;
         }
-        let next = checked(stepped(exact, &best.q, goal));
+        let next = checked(stepped(exact, None, DAMPING, &best.q, goal));
         if next.position2 + next.chord2 < best.position2 + best.chord2 {
             best = next;
         } else {
@@ -68,9 +71,61 @@ pub fn polished(
     best
 }
 
+/// Joint values inside the limits after steps, in which joints at a limit that would leave it
+/// stand still; `None` where they are not within the tolerances then.
+#[inline(never)]
+pub fn held(
+    exact: &Exact<'_>,
+    limits: &[Limit],
+    q: [f64; JOINTS],
+    goal: &Goal<f64>,
+    steps: usize,
+) -> Option<Polished> {
+    let checked = |mut q: [f64; JOINTS]| {
+        for (x, limit) in q.iter_mut().zip(limits) {
+            *x = x.clamp(limit.lower, limit.upper);
+        }
+        let (position2, chord2) = exact.miss(&q, goal);
+        Polished { q, inside: true, position2, chord2 }
+    };
+    let reached = |at: &Polished| exact.is_near(at.position2, at.chord2) & 1 != 0;
+    let mut best = checked(q);
+    let mut damping = DAMPING;
+    for _ in 0..steps {
+        if reached(&best) {
+            return Some(best);
+        }
+        if best.position2 + best.chord2 > FARTHEST * FARTHEST {
+            return None;
+        }
+        let next = checked(stepped(exact, Some(limits), damping, &best.q, goal));
+        let (before, after) = (best.position2 + best.chord2, next.position2 + next.chord2);
+        if after < before {
+            best = next;
+            damping = (0.1 * damping).max(DAMPING);
+            // Creeping: no solution here.
+            if after > 0.98 * before {
+                damping *= 100.0;
+            }
+        } else {
+            damping *= 100.0;
+        }
+        if damping > 1e9 {
+            break;
+        }
+    }
+    reached(&best).then_some(best)
+}
+
 /// Joint values after a step towards the goal, Newton's but for a damping that keeps it short
-/// where the arm is singular.
-fn stepped(exact: &Exact<'_>, q: &[f64; JOINTS], goal: &Goal<f64>) -> [f64; JOINTS] {
+/// where the arm is singular. With `held` limits joints stand still that would leave them.
+fn stepped(
+    exact: &Exact<'_>,
+    held: Option<&[Limit]>,
+    damping: f64,
+    q: &[f64; JOINTS],
+    goal: &Goal<f64>,
+) -> [f64; JOINTS] {
     let joints = exact.variables.len();
     let mut ordered = [0.0; JOINTS];
     for (x, variable) in q.iter().zip(exact.variables) {
@@ -85,8 +140,15 @@ fn stepped(exact: &Exact<'_>, q: &[f64; JOINTS], goal: &Goal<f64>) -> [f64; JOIN
     columns(exact.compiled, &workspace, tool, |variable, linear, angular| {
         jacobian[variable] = rows.column(&workspace, goal, linear, angular);
     });
+    for (limit, variable) in held.into_iter().flatten().zip(exact.variables) {
+        let (x, column) = (ordered[*variable], &mut jacobian[*variable]);
+        let downhill: f64 = column.iter().zip(&error.rows).map(|(a, b)| a * b).sum();
+        if x <= limit.lower && downhill < 0.0 || x >= limit.upper && downhill > 0.0 {
+            *column = [0.0; 6];
+        }
+    }
     let mut change = [0.0; JOINTS];
-    let newton = Step::LevenbergMarquardt { damping: 0.1 };
+    let newton = Step::LevenbergMarquardt { damping };
     newton.compute(&jacobian[..joints], &error.rows, &mut change[..joints]);
     let mut out = *q;
     for (x, variable) in out.iter_mut().zip(exact.variables) {

@@ -1,7 +1,7 @@
 //! All branches of every target.
 
-use super::arm_angle::status;
 use super::branches::{Branches, BranchesMut};
+use super::last_resort;
 use super::one_pose::Alone;
 use super::query::{FEW, Query, RUN};
 use crate::call::Status;
@@ -97,7 +97,7 @@ fn write<R: Real>(
         }
         return;
     }
-    let (mut any_valid, mut any_reached) = (false, false);
+    let mut any_valid = false;
     for (b, one) in q.chunks_exact_mut(joints).enumerate() {
         let candidate = &group.candidates[b];
         for (x, variable) in candidate.q.iter().zip(variables) {
@@ -105,13 +105,38 @@ fn write<R: Real>(
         }
         let reached = group.reached[b] >> lane & 1 != 0;
         let valid = reached && group.inside[b] >> lane & 1 != 0;
-        any_reached |= reached;
         any_valid |= valid;
         rows.reached[i * count + b] = reached;
         rows.valid[i * count + b] = valid;
         rows.singular[i * count + b] = if reached { candidate.flags(lane) } else { 0 };
     }
-    rows.status[i] = status(group.job.form, any_valid, any_reached) as u8;
+    rows.status[i] =
+        if any_valid { Status::Converged as u8 } else { none(group, lane, rows, i) as u8 };
+}
+
+/// Looks once more at a target without a valid branch.
+#[inline(never)]
+fn none<R: Real>(
+    group: &Group<'_, R>,
+    lane: usize,
+    rows: &mut BranchesMut<'_>,
+    i: usize,
+) -> Status {
+    let (job, goal) = (&group.job, group.goal.of_lane(lane));
+    let branches = group.candidates.map(|candidate| candidate.q.map(|x| x.lane(lane)));
+    let centre = group.near.centre.map(|x| x.lane(lane));
+    let Some((b, posture)) = last_resort::found(job, &goal, &centre, &branches) else {
+        return last_resort::status(job, &goal, false);
+    };
+    let (joints, count) = (job.variables().len(), job.form.branches());
+    let q = &mut rows.q[(i * count + b) * joints..][..joints];
+    for (x, variable) in posture.q.iter().zip(job.variables()) {
+        q[*variable] = *x;
+    }
+    let flags = group.candidates[b].flags(lane);
+    (rows.reached[i * count + b], rows.valid[i * count + b]) = (true, true);
+    rows.singular[i * count + b] = flags;
+    Status::Converged
 }
 
 /// A few targets, each with its branches in the lanes.

@@ -1,6 +1,5 @@
-//! What is asked of the family: its arm angles, and what its branches say about a target.
+//! What is asked of the family: its arm angles.
 
-use crate::call::Status;
 use crate::chain::Chain;
 use crate::closed_form::families::ClosedForm;
 use crate::error::{Error, Result};
@@ -40,14 +39,4 @@ pub(crate) fn arm_angles(form: &ClosedForm, angle: ArmAngle<'_>, targets: usize)
         return Err(Error::argument("arm_angle", expected, "arm angles"));
     }
     Ok(())
-}
-
-/// What the branches of a target say about it. Where even without limits there is none,
-/// or the branches are all there is, no solution exists.
-pub(crate) fn status(form: &ClosedForm, any_valid: bool, any_reached: bool) -> Status {
-    match (any_valid, any_reached, form) {
-        (true, ..) => Status::Converged,
-        (_, true, ClosedForm::Srs(_)) => Status::NotFound,
-        _ => Status::OutOfReach,
-    }
 }

@@ -1,12 +1,15 @@
 //! The best branch of every target, as a call of [`crate::call::solve`].
 
-use super::arm_angle::{ArmAngle, status};
+use super::arm_angle::ArmAngle;
+use super::last_resort;
 use super::one_pose::{Alone, Left};
 use super::query::{FEW, Query, RUN, Target};
 use crate::call::{AnswersMut, Outcome, Solve, Status};
 use crate::closed_form::arm_angle::search;
+use crate::closed_form::branch::check::least_outside;
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::branch::group::{Group, Job};
+use crate::closed_form::branch::polish::Polished;
 use crate::closed_form::families::{ClosedForm, Srs};
 use crate::closed_form::geometry::candidate::{JOINTS, MOST_BRANCHES};
 use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
@@ -107,8 +110,7 @@ fn alone_best<R: Real>(
         rows.finish(i, outcome).copy_from_slice(found.branch(b));
     } else {
         let branches = (0..found.branches()).map(|b| found.branch(b));
-        let status = status(job.form, false, found.reached != 0);
-        nearest(job, &target.goal, branches, status, rows, i);
+        nearest(job, &target.goal, branches, found.status(), rows, i);
     }
 }
 
@@ -130,10 +132,9 @@ impl Kernel for InLanes<'_, '_> {
         let mut i = self.begin;
         while i < self.end {
             let (used, bad) = query.load(&mut group, rows.first + i, rows.first + self.end);
-            let (mut proven, mut left) = (0, used);
+            let mut left = used;
             if let Some(arm) = free {
                 let found = search::search(arm, &mut group, query.choice, query.proof, used & !bad);
-                proven = found.none;
                 if found.known != 0 {
                     group.solve_one(arm, &found.line, &found.elbow, found.sides);
                     let mut done = found.known & group.valid(0);
@@ -165,7 +166,7 @@ impl Kernel for InLanes<'_, '_> {
                 } else if best.found >> lane & 1 != 0 {
                     answer(&group, lane, best.branch.lane(lane) as usize, rows, row);
                 } else {
-                    none(&group, lane, proven >> lane & 1 != 0, rows, row);
+                    none(&group, lane, free, rows, row);
                 }
             }
             i += R::WIDTH;
@@ -199,27 +200,38 @@ fn answer<R: Real>(
     }
 }
 
-/// Writes a lane without any valid branch. `proven`: no arm angle has one.
+/// Writes a lane without any valid branch, after a last search; `free`: at all arm angles.
 #[inline(never)]
 fn none<R: Real>(
     group: &Group<'_, R>,
     lane: usize,
-    proven: bool,
+    free: Option<&Srs>,
     rows: &mut AnswersMut<'_>,
     i: usize,
 ) {
-    let any_reached = group.reached.iter().any(|lanes| lanes >> lane & 1 != 0);
-    let status =
-        if proven { Status::OutOfReach } else { status(group.job.form, false, any_reached) };
-    let mut branches = [[0.0; JOINTS]; MOST_BRANCHES];
-    for (q, candidate) in branches.iter_mut().zip(&group.candidates) {
-        for (x, variable) in candidate.q.iter().zip(group.job.variables()) {
-            q[*variable] = x.lane(lane);
+    let (job, goal) = (&group.job, group.goal.of_lane(lane));
+    let branches = group.candidates.map(|candidate| candidate.q.map(|x| x.lane(lane)));
+    let centre = group.near.centre.map(|x| x.lane(lane));
+    let posture = match free {
+        Some(arm) => last_resort::found_at_any_angle(arm, &mut group.one_lane(lane)),
+        None => last_resort::found(job, &goal, &centre, &branches).map(|found| found.1),
+    };
+    if let Some(Polished { q, position2, chord2, .. }) = posture {
+        let answer = rows.finish(i, reached(position2, chord2));
+        for (x, variable) in q.iter().zip(job.variables()) {
+            answer[*variable] = *x;
+        }
+        return;
+    }
+    let status = last_resort::status(job, &goal, free.is_some());
+    let mut ordered = [[0.0; JOINTS]; MOST_BRANCHES];
+    for (to, q) in ordered.iter_mut().zip(&branches) {
+        for (x, variable) in q.iter().zip(job.variables()) {
+            to[*variable] = *x;
         }
     }
-    let joints = group.job.variables().len();
-    let branches = branches.iter().map(|q| &q[..joints]);
-    nearest(&group.job, &group.goal.of_lane(lane), branches, status, rows, i);
+    let joints = job.variables().len();
+    nearest(job, &goal, ordered.iter().map(|q| &q[..joints]), status, rows, i);
 }
 
 /// Writes, in place of an answer, the branch that violates the limits least, held inside
@@ -232,22 +244,22 @@ fn nearest<'q>(
     rows: &mut AnswersMut<'_>,
     i: usize,
 ) {
-    let joints = || job.variables().iter().zip(job.limits());
     let mut best = (f64::INFINITY, [0.0; JOINTS]);
     for branch in branches {
-        let outside = joints().map(|(variable, limit)| {
-            let x = branch[*variable];
-            (limit.lower - x).max(x - limit.upper).max(0.0)
-        });
+        let mut q = [0.0; JOINTS];
+        for (x, variable) in q.iter_mut().zip(job.variables()) {
+            *x = branch[*variable];
+        }
+        least_outside(job.limits(), &mut q);
+        let outside = q.iter().zip(job.limits());
+        let outside = outside.map(|(x, limit)| (limit.lower - x).max(x - limit.upper).max(0.0));
         let total: f64 = outside.sum();
         if total < best.0 {
             best.0 = total;
-            best.1[..branch.len()].copy_from_slice(branch);
+            for ((x, limit), variable) in q.iter().zip(job.limits()).zip(job.variables()) {
+                best.1[*variable] = x.clamp(limit.lower, limit.upper);
+            }
         }
-    }
-    for (variable, limit) in joints() {
-        let x = &mut best.1[*variable];
-        *x = x.clamp(limit.lower, limit.upper);
     }
     let q = &best.1[..job.variables().len()];
     let (axes, point) = job.pose(q);

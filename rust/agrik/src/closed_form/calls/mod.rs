@@ -4,5 +4,6 @@ pub mod all_branches;
 pub mod arm_angle;
 mod best_branch;
 pub mod branches;
+mod last_resort;
 pub mod one_pose;
 pub mod query;

@@ -2,7 +2,7 @@
 //! call takes hardly longer than one branch would. A branch gets, bit for bit, the values
 //! that it gets in a batch, where a lane holds a target.
 
-use super::arm_angle::status;
+use super::last_resort;
 use super::query::{Query, Target};
 use crate::call::Status;
 use crate::closed_form::branch::choice::Choice;
@@ -21,6 +21,8 @@ pub struct Alone {
     pub(crate) reached: Lanes,
     inside: Lanes,
     singular: [u8; MOST_BRANCHES],
+    /// The same of branches that are not reached.
+    flags: [u8; MOST_BRANCHES],
     status: Status,
 }
 
@@ -53,6 +55,7 @@ impl Alone {
             reached: 0,
             inside: 0,
             singular: [0; MOST_BRANCHES],
+            flags: [0; MOST_BRANCHES],
             status: Status::BadInput,
         }
     }
@@ -143,7 +146,8 @@ impl Alone {
                     let hit = reached >> lane & 1;
                     self.reached |= hit << b;
                     self.inside |= (inside[way] >> lane & 1) << b;
-                    self.singular[b] = if hit != 0 { candidate.flags(lane) } else { 0 };
+                    self.flags[b] = candidate.flags(lane);
+                    self.singular[b] = if hit != 0 { self.flags[b] } else { 0 };
                 }
                 if let Some((left, choice)) = &mut left {
                     let cost = choice.cost(&candidate.q, &near.centre, job.limits());
@@ -157,7 +161,44 @@ impl Alone {
             }
             first += R::WIDTH;
         }
-        self.status = status(job.form, self.reached & self.inside != 0, self.reached != 0);
+        self.status = if self.reached & self.inside != 0 {
+            Status::Converged
+        } else {
+            let centre = near.centre.map(|x| x.lane(0));
+            self.none(job, &target.goal, &centre, left.map(|(left, _)| left))
+        };
+    }
+
+    /// Looks once more at a target without a valid branch.
+    #[inline(never)]
+    fn none(
+        &mut self,
+        job: &Job<'_>,
+        goal: &Goal<f64>,
+        centre: &[f64; JOINTS],
+        left: Option<&mut Left>,
+    ) -> Status {
+        let mut branches = [[0.0; JOINTS]; MOST_BRANCHES];
+        for (b, branch) in branches.iter_mut().enumerate() {
+            for (x, variable) in branch.iter_mut().zip(job.variables()) {
+                *x = self.branch(b)[*variable];
+            }
+        }
+        let Some((b, posture)) = last_resort::found(job, goal, centre, &branches) else {
+            return last_resort::status(job, goal, false);
+        };
+        for (x, variable) in posture.q.iter().zip(job.variables()) {
+            self.q[b * self.joints + variable] = *x;
+        }
+        self.reached |= 1 << b;
+        self.inside |= 1 << b;
+        self.singular[b] = self.flags[b];
+        if let Some(left) = left {
+            (left.position2[b], left.chord2[b]) = (posture.position2, posture.chord2);
+            // The only one: any cost will do.
+            left.cost[b] = 0.0;
+        }
+        Status::Converged
     }
 
     /// The record of a target that is no pose.

@@ -59,7 +59,7 @@ impl<'a> Query<'a> {
 
     #[inline(always)]
     pub(crate) fn job(&self) -> Job<'a> {
-        Job::new(self.form, &self.request)
+        Job { steps: matches!(self.angle, ArmAngle::Free), ..Job::new(self.form, &self.request) }
     }
 
     /// The arm angle of a target; 0 where there is none.

@@ -1,7 +1,8 @@
 //! Which arms have a closed form: one file a family, and the choice between them.
 
 mod shoulder;
-mod spherical_wrist;
+mod shoulder_arcs;
+pub mod spherical_wrist;
 pub mod srs;
 
 pub use shoulder::Kind;

@@ -33,14 +33,14 @@ pub enum Kind {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shoulder {
     kind: Kind,
-    one: Link,
-    two: Link,
+    pub(crate) one: Link,
+    pub(crate) two: Link,
     /// Distance of the wrist's centre from the third axis, m.
-    radius: f64,
+    pub(crate) radius: f64,
     /// Direction of the wrist's centre about the third axis at `t3 = 0`.
     phase: (f64, f64),
     /// Height of the wrist's centre along the third axis, m.
-    height: f64,
+    pub(crate) height: f64,
     /// Length below which a distance leaves an angle open, m.
     least: f64,
     /// Length below which an arm counts as singular, m.
@@ -96,6 +96,11 @@ impl Shoulder {
             least: 1e-6 * tolerance,
             near: tolerance * SINGULAR / TOLERANCE,
         })
+    }
+
+    /// Direction of the wrist's centre about the third axis where the third joint's turn is 0.
+    pub(crate) fn phase_angle(&self) -> f64 {
+        self.phase.0.atan2(self.phase.1)
     }
 
     /// Which equations came apart.
@@ -166,7 +171,7 @@ impl Shoulder {
     /// The wrist's centre seen from the second joint, for a turn of the third (counted
     /// from the direction of the wrist's centre).
     #[inline(always)]
-    fn seen_from_second<R: Real>(&self, third: Turn<R>) -> V3<R> {
+    pub(crate) fn seen_from_second<R: Real>(&self, third: Turn<R>) -> V3<R> {
         let Link { d, a, sine, cosine, .. } = self.two;
         let r = R::splat(self.radius);
         let (y, x) = (third.0 * r, third.1 * r);
@@ -340,6 +345,11 @@ impl Shoulder {
     /// Roots of the equation for the third angle.
     #[inline(never)]
     fn third_roots(&self, up: f64, ring: f64) -> [quartic::Root; 4] {
+        quartic::roots(&self.third_form(up, ring))
+    }
+
+    /// The equation for the third angle as a quadratic form in `(1, cos, sin)`.
+    pub(crate) fn third_form(&self, up: f64, ring: f64) -> [[f64; 3]; 3] {
         let (one, two) = (self.one, self.two);
         let (r, w) = (self.radius, self.height);
         // Constant, cosine and sine parts of v and of |v|^2.
@@ -362,6 +372,6 @@ impl Shoulder {
                 }
             }
         }
-        quartic::roots(&form)
+        form
     }
 }

@@ -54,6 +54,16 @@ impl SphericalWrist {
         self.shoulder.kind()
     }
 
+    /// The first three joints.
+    pub(crate) fn shoulder(&self) -> &Shoulder {
+        &self.shoulder
+    }
+
+    /// The last three.
+    pub(crate) fn wrist(&self) -> &Meeting {
+        &self.wrist
+    }
+
     /// All branches for goals whose `position` is the tool point, `tool` away from the
     /// last joint's frame. An angle that nothing decides is taken from `preferred`, one
     /// turn a joint.

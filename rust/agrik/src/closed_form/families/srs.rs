@@ -81,7 +81,7 @@ pub(crate) struct Reached<R> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Line<R> {
     /// Distance from shoulder to wrist, m.
-    length: R,
+    pub length: R,
     /// Directions seen from the base: to the wrist, that of the elbow at arm angle zero,
     /// and the product of both.
     pub frame: [V3<R>; 3],
@@ -181,14 +181,7 @@ impl Srs {
     /// The elbow that brings shoulder and wrist as far apart as they are.
     #[inline(always)]
     fn bent<R: Real>(&self, line: &Line<R>, preferred: Turn<R>, side: Side<R>) -> Elbow<R> {
-        let three = self.geometry.links[2];
-        let (r, w) = (self.radius, self.height);
-        let fixed = three.a * three.a
-            + three.d * three.d
-            + r * r
-            + w * w
-            + 2.0 * three.d * three.cosine * w;
-        let (a, b) = (2.0 * three.a * r, 2.0 * three.d * three.sine * r);
+        let [a, b, fixed] = self.elbow_equation();
         let c = line.length.mul_add(line.length, R::splat(-fixed));
         self.elbow(&linear(R::splat(a), R::splat(b), c, 0.0, preferred, side))
     }
@@ -386,6 +379,30 @@ impl Srs {
     /// Shoulder and wrist.
     pub(crate) fn meetings(&self) -> (&Meeting, &Meeting) {
         (&self.shoulder, &self.wrist)
+    }
+
+    /// Factors of cosine and sine of the fourth joint's turn, counted from the direction of
+    /// the wrist, in the squared distance from shoulder to wrist, and its constant part.
+    #[inline(always)]
+    pub(crate) fn elbow_equation(&self) -> [f64; 3] {
+        let three = self.geometry.links[2];
+        let (r, w) = (self.radius, self.height);
+        let fixed = three.a * three.a
+            + three.d * three.d
+            + r * r
+            + w * w
+            + 2.0 * three.d * three.cosine * w;
+        [2.0 * three.a * r, 2.0 * three.d * three.sine * r, fixed]
+    }
+
+    /// Distance of the wrist from the fourth axis, m.
+    pub(crate) fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Direction of the wrist about the fourth axis where the fourth joint's turn is 0.
+    pub(crate) fn phase(&self) -> f64 {
+        self.phase
     }
 
     /// What a joint's turn is counted from, rad.

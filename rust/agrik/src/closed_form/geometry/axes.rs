@@ -14,6 +14,8 @@ use crate::kinematics::{Workspace, forward};
 
 /// Lengths below this share of the reach count as zero, and sines below it as well.
 pub const TOLERANCE: f64 = 1e-6;
+/// Cosines below this count as zero.
+const RIGHT: f64 = 1e-12;
 
 /// Axes of `n` revolute joints: `n - 1` links between them.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +38,18 @@ pub struct Geometry {
     pub middle: Vec<Turn<f64>>,
     /// Length below which a distance counts as zero, m.
     pub tolerance: f64,
+    /// How far the chain's frames are from those of these axes at most, for what was taken
+    /// for zero.
+    pub misfit: Misfit,
+}
+
+/// How far two frames are apart at most.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Misfit {
+    /// Distance, m.
+    pub position: f64,
+    /// Angle, rad.
+    pub orientation: f64,
 }
 
 impl Geometry {
@@ -72,14 +86,18 @@ impl Geometry {
         let x = (guess - first * guess.dot(&first)).normalize();
         let mut normal = x;
         let mut foot = origin;
-        let mut links = Vec::with_capacity(lines.len());
+        let mut links: Vec<Link> = Vec::with_capacity(lines.len());
+        let mut misfit = Misfit { position: 0.0, orientation: 0.0 };
         for (i, pair) in lines.windows(2).enumerate() {
             let ((p, h), (next_p, next_h)) = (pair[0], pair[1]);
             let between = Between::new(p, h, next_p, next_h, foot, tolerance)
                 .ok_or_else(|| format!("axes {} and {} are one line", i + 1, i + 2))?;
+            let d = (between.leaves - foot).dot(&h);
+            misfit.position += between.lost.position + lost(d, tolerance);
+            misfit.orientation += between.lost.orientation;
             links.push(Link {
                 theta: angle_about(&h, &normal, &between.normal),
-                d: snap((between.leaves - foot).dot(&h), tolerance),
+                d: snap(d, tolerance),
                 a: between.length,
                 sine: between.sine,
                 cosine: between.cosine,
@@ -88,6 +106,9 @@ impl Geometry {
             foot = between.arrives;
         }
         let (last_p, last_h) = lines[lines.len() - 1];
+        // An angle moves all that comes after it.
+        let size: f64 = links.iter().map(|link| link.a.abs() + link.d.abs()).sum();
+        misfit.position += misfit.orientation * size;
         let [last_x, ..] = workspace.joint_axes();
         let last_theta = angle_about(&last_h, &normal, &Vector3::from(last_x));
         let order: Vec<usize> = compiled.links.iter().map(|link| link.variable).collect();
@@ -104,6 +125,7 @@ impl Geometry {
             last_shift: (foot - last_p).dot(&last_h),
             variables: order,
             tolerance,
+            misfit,
         })
     }
 
@@ -132,6 +154,8 @@ struct Between {
     length: f64,
     sine: f64,
     cosine: f64,
+    /// What was taken for zero.
+    lost: Misfit,
 }
 
 impl Between {
@@ -161,20 +185,24 @@ impl Between {
                 length,
                 sine: 0.0,
                 cosine,
+                lost: Misfit { position: 0.0, orientation: sine },
             });
         }
         let normal = across / sine;
         let way = next_p - p;
         let along = way.cross(&next_h).dot(&normal) / sine;
         let next_along = way.cross(&h).dot(&normal) / sine;
-        let cosine = snap(cosine, 1e-12);
+        let length = way.dot(&normal);
+        let lost = Misfit { position: lost(length, tolerance), orientation: lost(cosine, RIGHT) };
+        let cosine = snap(cosine, RIGHT);
         Some(Self {
             normal,
             leaves: p + h * along,
             arrives: next_p + next_h * next_along,
-            length: snap(way.dot(&normal), tolerance),
+            length: snap(length, tolerance),
             sine: if cosine == 0.0 { 1.0 } else { sine },
             cosine,
+            lost,
         })
     }
 }
@@ -186,4 +214,9 @@ fn angle_about(axis: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> f
 
 fn snap(x: f64, tolerance: f64) -> f64 {
     if x.abs() < tolerance { 0.0 } else { x }
+}
+
+/// What [`snap`] takes away.
+fn lost(x: f64, tolerance: f64) -> f64 {
+    if x.abs() < tolerance { x.abs() } else { 0.0 }
 }

@@ -2,6 +2,9 @@
 
 pub mod axes;
 pub mod candidate;
+pub mod enclosure;
 pub mod limit;
+pub mod pieces;
 pub mod quartic;
+pub mod range;
 pub mod turn;

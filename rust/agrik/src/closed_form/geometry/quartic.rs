@@ -1,6 +1,8 @@
 //! Roots of a quadratic form in `(1, cos t, sin t)`: the fourth-degree equation of
 //! Pieper's general case, with its angle kept an angle so that none is at infinity.
 
+use std::f64::consts::TAU;
+
 use nalgebra::{Complex, Matrix4, Schur};
 
 use crate::lanes::hypotenuse;
@@ -21,8 +23,10 @@ pub struct Root {
 const NEAR: f64 = 1e-2;
 /// Most of Newton's steps: three do, unless three roots are about to meet.
 const STEPS: usize = 30;
-/// Sweeps after which the eigenvalue decomposition is given up: far more than one takes.
-const SWEEPS: usize = 1000;
+/// Most iterations of the eigenvalues: some ten are usual.
+const ITERATIONS: usize = 200;
+/// Newton's steps start from so many places all round where there are no eigenvalues.
+const SPREAD: usize = 48;
 /// Angles this near to one another are one root.
 const SAME: f64 = 1e-9;
 /// Slope, as a share of the equation's size, below which a root is singular.
@@ -94,7 +98,7 @@ pub fn roots(form: &[[f64; 3]; 3]) -> [Root; 4] {
             let (dy, dx) = (other.turn.0 - turn.0, other.turn.1 - turn.1);
             hypotenuse(dy, dx) < SAME
         });
-        if !seen {
+        if !seen && found < out.len() {
             out[found] = Root { turn, merged: false, singular: slope.abs() < FLAT * size };
             found += 1;
         }
@@ -138,12 +142,17 @@ fn polynomial_roots(c0: f64, c1: f64, s1: f64, c2: f64, s2: f64) -> Vec<Complex<
     );
     let i = Complex::new(0.0, 1.0);
     let turn = Complex::new(shift.cos(), shift.sin());
-    // On what is no number the decomposition would not end.
-    let finite = companion.iter().all(|x| x.is_finite());
-    let found = finite.then(|| Schur::try_new(companion, f64::EPSILON, SWEEPS));
-    let Some(found) = found.flatten() else { return Vec::new() };
-    let roots = found.complex_eigenvalues();
-    roots
+    // Where several roots are about to meet, the iteration may never come to rest at the finest
+    // tolerance; what it loses at a coarser one, Newton's steps bring back.
+    let Some(schur) = [f64::EPSILON, 1e-13, 1e-11, 1e-9]
+        .into_iter()
+        .find_map(|tolerance| Schur::try_new(companion, tolerance, ITERATIONS))
+    else {
+        let spread = (0..SPREAD).map(|k| k as f64 * (TAU / SPREAD as f64));
+        return spread.map(|t| Complex::new(t.cos(), t.sin())).collect();
+    };
+    schur
+        .complex_eigenvalues()
         .iter()
         .map(|u| (Complex::new(1.0, 0.0) + i * u) / (Complex::new(1.0, 0.0) - i * u) * turn)
         .collect()

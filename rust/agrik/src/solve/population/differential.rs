@@ -3,12 +3,12 @@
 use super::boundary::Boundary;
 use super::evaluator::{Fitness, Gene, Population, Range};
 use super::progress::End;
-use super::rows::Rows;
+use super::rows::{Rows, WHOLE};
 use super::run::Run;
-use crate::Allowed;
 use crate::error::Result;
 use crate::lanes::{Real, Words};
 use crate::random::Stream;
+use crate::{Allowed, Field};
 
 /// What a mutant starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -69,9 +69,6 @@ pub struct Differential {
 const JDE_CHANCE: f64 = 0.1;
 const JDE_WEIGHT: (f64, f64) = (0.1, 0.9);
 
-/// Above this number, 2^52, the lowest bits of a double are a whole number.
-pub(super) const WHOLE: f64 = 4_503_599_627_370_496.0;
-
 /// Buffers of the making of trials.
 struct Scratch<R> {
     /// Genes of the best individual, each in all lanes.
@@ -95,9 +92,13 @@ struct Parts<'s, R> {
 }
 
 impl Differential {
-    /// Refuses numbers outside their ranges.
+    /// The numbers that users choose, one by one.
+    pub fn fields(&mut self) -> Vec<Field<'_>> {
+        vec![Field::real("weight", &mut self.weight, Allowed::up_to(2.0))]
+    }
+
+    /// Refuses a range of crossover rates that is none.
     pub fn check(&self) -> Result<()> {
-        Allowed::up_to(2.0).check("weight", self.weight)?;
         let (low, high) = self.crossover;
         Allowed::between(0.0, 2.0).check("crossover", low)?;
         Allowed::between(low, 2.0).check("crossover", high)

@@ -5,10 +5,9 @@ use super::boundary::Boundary;
 use super::evaluator::{Fitness, Population};
 use super::progress::End;
 use super::run::Run;
-use crate::Allowed;
-use crate::error::Result;
 use crate::lanes::Real;
 use crate::random::Stream;
+use crate::{Allowed, Field};
 
 /// How a generation is bred.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,14 +33,18 @@ pub struct Genetic {
 const DRAWS_PER_POLL: usize = 1 << 16;
 
 impl Genetic {
-    /// Refuses numbers outside their ranges.
-    pub fn check(&self, population: u32) -> Result<()> {
-        Allowed::whole(1, population).check("tournament", self.tournament)?;
-        Allowed::whole(0, population.saturating_sub(1)).check("elites", self.elites)?;
-        Allowed::SHARE.check("crossover_rate", self.crossover_rate)?;
-        Allowed::NOT_NEGATIVE.check("crossover_index", self.crossover_index)?;
-        Allowed::SHARE.check("mutation_rate", self.mutation_rate)?;
-        Allowed::NOT_NEGATIVE.check("mutation_width", self.mutation_width)
+    /// The numbers that users choose, for a population of a size.
+    pub fn fields(&mut self, population: u32) -> Vec<Field<'_>> {
+        let below = Allowed::whole(0, population.saturating_sub(1));
+        let not_negative = Allowed::NOT_NEGATIVE;
+        vec![
+            Field::count("tournament", &mut self.tournament, Allowed::whole(1, population)),
+            Field::real("crossover_rate", &mut self.crossover_rate, Allowed::SHARE),
+            Field::real("crossover_index", &mut self.crossover_index, not_negative),
+            Field::real("mutation_rate", &mut self.mutation_rate, Allowed::SHARE),
+            Field::real("mutation_width", &mut self.mutation_width, not_negative),
+            Field::count("elites", &mut self.elites, below),
+        ]
     }
 
     #[inline(always)]

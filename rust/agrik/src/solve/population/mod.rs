@@ -47,7 +47,7 @@ pub fn minimise<R: Real, F: Fitness<R>>(
 ) -> f64 {
     let mut evaluator = Evaluator::new(chain, fitness);
     let mut population = Population::<R>::new(settings.population as usize, genes.len());
-    let mut progress = Progress::new(settings);
+    let mut progress = settings.progress();
     settings.evolve(
         genes,
         &mut evaluator,

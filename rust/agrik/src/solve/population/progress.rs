@@ -1,7 +1,5 @@
 //! When a run ends, and its record.
 
-use super::settings::Settings;
-
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
@@ -33,18 +31,10 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// The progress of a run with these settings.
-    pub fn new(settings: &Settings) -> Self {
-        Self {
-            generations: 0,
-            // A run with a budget of evaluations ends by that.
-            last: if settings.budget().is_some() { u32::MAX } else { settings.generations },
-            target: settings.target_cost,
-            patience: settings.stagnation,
-            mark: f64::INFINITY,
-            since: 0,
-            trace: None,
-        }
+    /// The progress of a run that ends after `last` generations, at a cost of at most
+    /// `target`, or after `patience` generations (0: any number) at a standstill.
+    pub fn new(last: u32, target: f64, patience: u32) -> Self {
+        Self { generations: 0, last, target, patience, mark: f64::INFINITY, since: 0, trace: None }
     }
 
     /// Notes the best cost, and says whether that ends the run.

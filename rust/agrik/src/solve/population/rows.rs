@@ -1,9 +1,11 @@
 //! The genes of a population once more, individual by individual: what is needed of one
 //! lies together, so that the individuals of other lanes come with whole vectors.
 
-use super::differential::WHOLE;
 use super::evaluator::Population;
 use crate::lanes::{Real, WIDEST, Words};
+
+/// Above this number, 2^52, the lowest bits of a double are a whole number.
+pub(super) const WHOLE: f64 = 4_503_599_627_370_496.0;
 
 /// Each individual's genes in as many vectors as they need.
 pub(super) struct Rows<R> {

@@ -218,7 +218,7 @@ impl<'e, R: Real> Search<'e, R> {
             self.polish(row, &goal, 1);
         }
         while !self.found.reached {
-            let mut progress = Progress::new(settings);
+            let mut progress = settings.progress();
             progress.trace = self.trace.take();
             let end = self.evolve(row, outcome.restarts, &goal, &mut progress, keep_going);
             self.trace = progress.trace.take();

@@ -10,16 +10,18 @@ mod transpose;
 
 use std::sync::Arc;
 
-use crate::Allowed;
+use smallvec::SmallVec;
+
 use crate::error::Result;
 use crate::lanes::Real;
+use crate::{Allowed, Field};
 
 pub(super) use gains::{Feedback, Sparse, middle};
 pub use gains::{GainUnits, Matrix, Pid, PidOrder, StateSpace, StaticGain, frozen_gain};
 pub use pace::Pace;
 
 /// Whole numbers of which there must be one.
-pub(super) const COUNT: Allowed = Allowed::whole(1, u32::MAX);
+const COUNT: Allowed = Allowed::whole(1, u32::MAX);
 
 /// How a step is computed.
 ///
@@ -222,26 +224,51 @@ impl Settings {
         pace: Pace::Full,
     };
 
-    /// Refuses numbers outside their ranges.
-    pub fn check(&self) -> Result<()> {
-        match &self.step {
-            Step::PseudoInverse { cutoff } => Allowed::below(1.0).check("cutoff", *cutoff)?,
-            Step::FixedTranspose { alpha } => Allowed::POSITIVE.check("alpha", *alpha)?,
-            Step::Damped { damping } | Step::LevenbergMarquardt { damping } => {
-                Allowed::POSITIVE.check("damping", *damping)?;
+    /// The numbers that users choose; gains of feedback laws are read and checked for
+    /// themselves.
+    pub fn fields(&mut self) -> SmallVec<[Field<'_>; 4]> {
+        let mut fields = SmallVec::new();
+        let mut has_max_step = true;
+        match &mut self.step {
+            Step::PseudoInverse { cutoff } => {
+                fields.push(Field::real("cutoff", cutoff, Allowed::below(1.0)));
             }
-            Step::IkPid(pid) => pid.check()?,
-            Step::Broyden { patience, .. } => COUNT.check("patience", *patience)?,
-            // Matrices are checked against the chain when a plan is made.
-            Step::Transpose
-            | Step::ClosedPseudoInverse
-            | Step::CyclicCoordinateDescent
+            Step::FixedTranspose { alpha } => {
+                fields.push(Field::real("alpha", alpha, Allowed::POSITIVE));
+            }
+            Step::Damped { damping } => {
+                fields.push(Field::real("damping", damping, Allowed::POSITIVE.of("m")));
+            }
+            Step::LevenbergMarquardt { damping } => {
+                fields.push(Field::real("damping", damping, Allowed::POSITIVE));
+            }
+            Step::Transpose | Step::ClosedPseudoInverse => {}
+            Step::Broyden { patience, .. } => {
+                has_max_step = false;
+                fields.push(Field::count("patience", patience, COUNT));
+            }
+            Step::CyclicCoordinateDescent
+            | Step::IkPid(_)
             | Step::StateSpace(_)
-            | Step::StaticGain(_) => {}
+            | Step::StaticGain(_) => has_max_step = false,
+        }
+        fields.push(Field::count("max_iterations", &mut self.max_iterations, COUNT));
+        fields.push(Field::count("max_restarts", &mut self.max_restarts, Allowed::COUNT));
+        if has_max_step {
+            let allowed = Allowed::POSITIVE.of("rad or m");
+            fields.push(Field::real("max_step", &mut self.max_step, allowed));
+        }
+        fields
+    }
+
+    /// Refuses numbers that are not allowed. Matrices are checked against the chain when a
+    /// plan is made.
+    pub fn check(&self) -> Result<()> {
+        if let Step::IkPid(pid) = &self.step {
+            pid.check()?;
         }
         self.pace.check()?;
-        COUNT.check("max_iterations", self.max_iterations)?;
-        Allowed::POSITIVE.check("max_step", self.max_step)
+        self.clone().fields().iter().try_for_each(Field::check)
     }
 }
 

@@ -1,0 +1,294 @@
+"""Commands, options and exit codes of ``agrik-fast``.
+
+Only typer is imported here: ``--help`` must stay fast, so NumPy, the compiled module and rich
+load inside the command that needs them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperCommand
+
+from ..papers import PAPERS
+
+EXIT_BAD_ARGUMENTS = 2
+EXIT_NOT_ALL_SOLVED = 3
+EXIT_INTERRUPTED = 130  # the shell's 128 + SIGINT
+EXIT_TERMINATED = 143  # 128 + SIGTERM
+
+app = typer.Typer(
+    name="agrik-fast",
+    help="Fast, verified inverse kinematics for serial robot arms.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+
+def main() -> None:
+    """Run the command line and exit with its status."""
+    app(prog_name="agrik-fast")
+
+
+class _Terminated(BaseException):
+    """The process was asked to end (SIGTERM)."""
+
+
+@contextlib.contextmanager
+def _termination_as_exception() -> Iterator[None]:
+    """Let SIGTERM unwind the program as Ctrl-C does, so that half a result is removed."""
+
+    def end(number: int, frame: object) -> None:
+        # A second signal must not interrupt the cleaning up.
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        raise _Terminated
+
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread may set handlers, and only it is interrupted
+        return
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL if before is None else before)
+
+
+@contextlib.contextmanager
+def _exit_codes() -> Iterator[None]:
+    """Turn expected errors and signals into one line on stderr and an exit code."""
+    try:
+        with _termination_as_exception():
+            yield
+    except _Terminated:
+        typer.echo("agrik-fast: terminated, nothing was written", err=True)
+        raise typer.Exit(EXIT_TERMINATED) from None
+    except KeyboardInterrupt:
+        typer.echo("agrik-fast: interrupted, nothing was written", err=True)
+        raise typer.Exit(EXIT_INTERRUPTED) from None
+    except Exception as error:
+        from ..errors import AgrikError
+
+        if not isinstance(error, AgrikError | OSError):
+            raise
+        line = "; ".join(part.strip() for part in str(error).splitlines() if part.strip())
+        typer.echo(f"agrik-fast: {line}", err=True)
+        raise typer.Exit(EXIT_BAD_ARGUMENTS) from None
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"agrik-fast {version('agrik_fast')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version."),
+    ] = False,
+) -> None:
+    del version
+
+
+class _SolveCommand(TyperCommand):
+    """`solve`, whose help names the solvers that the core knows when it is asked for."""
+
+    def get_help(self, ctx: Any) -> str:
+        """Return the help."""
+        from .._names import solver_names
+
+        (option,) = (each for each in self.params if each.name == "solver")
+        *first, last = solver_names()
+        vars(option)["help"] = f"{', '.join(first)} or {last}."
+        return super().get_help(ctx)
+
+
+@app.command(cls=_SolveCommand)
+def solve(
+    robot: Annotated[str, typer.Argument(help="A bundled robot's name, or a .toml or .urdf file.")],
+    targets: Annotated[Path, typer.Argument(help="Targets: .csv, .npy, .npz or .parquet.")],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Results: .csv, .npy, .npz or .parquet.")
+    ],
+    task: Annotated[
+        str | None,
+        typer.Option(help="position, pose or axis; by default pose if there are orientations."),
+    ] = None,
+    solver: Annotated[
+        str,
+        typer.Option(help="Name of the solver."),  # see _SolveCommand
+    ] = "lm",
+    tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-6,
+    tol_rad: Annotated[float, typer.Option(help="Orientation tolerance in radians.")] = 1e-6,
+    tool_axis: Annotated[
+        str, typer.Option(help="Axis task: tool axis, such as z, -x or 0,0.6,0.8.")
+    ] = "z",
+    direction: Annotated[
+        str | None,
+        typer.Option(
+            help="Axis task: where the tool axis points in the base frame, such as -z or 0,0,-1; "
+            "by default along the targets' own tool axis."
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the restarts.")] = 0,
+    threads: Annotated[
+        int | None, typer.Option(min=1, help="Threads; by default all cores.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing result.")] = False,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Exit with 3 unless every row is solved.")
+    ] = False,
+) -> None:
+    """Solve every target of a file and write the joint values to another.
+
+    Lengths are metres and angles radians unless a column says otherwise (x_mm, roll_deg).
+    Exit status: 0 every row was processed, 2 bad arguments or files, 3 some rows are not
+    solved (with --strict), 130 interrupted, 143 terminated. The result appears only when it
+    is complete.
+    """
+    with _exit_codes():
+        from ..jobs import SolveRequest
+        from ._solve import parse_axis, run
+        from .progress import for_stream
+        from .summary import print_summaries
+
+        request = SolveRequest(
+            robot=robot,
+            targets=targets,
+            output=output,
+            task=task,
+            solver=solver,
+            position_tolerance=tol,
+            orientation_tolerance=tol_rad,
+            tool_axis=parse_axis("--tool-axis", tool_axis),
+            direction=None if direction is None else parse_axis("--direction", direction),
+            seed=seed,
+            threads=threads,
+            force=force,
+        )
+        summary = run(request, for_stream(sys.stderr))
+        print_summaries([summary], sys.stdout)
+        typer.echo(f"results: {output}")
+    if strict and summary.solved < summary.rows:
+        raise typer.Exit(EXIT_NOT_ALL_SOLVED)
+
+
+@app.command()
+def info(
+    robot: Annotated[
+        str | None,
+        typer.Argument(help="A bundled robot's name, or a .toml or .urdf file; all names if none."),
+    ] = None,
+) -> None:
+    """Print a robot's joints, limits, reach, DH rows and source."""
+    with _exit_codes():
+        from ._info import describe, list_robots
+
+        typer.echo(list_robots() if robot is None else describe(robot))
+
+
+@app.command()
+def tune(
+    robot: Annotated[str, typer.Argument(help="A bundled robot's name, or a .toml or .urdf file.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Gain file: .toml or .json.")],
+    solver: Annotated[
+        str, typer.Option(help="state-space, static-gain or ik-pid.")
+    ] = "state-space",
+    shape: Annotated[
+        str, typer.Option(help="State space: input (B alone), diagonal (of A, and B) or full.")
+    ] = "input",
+    method: Annotated[
+        str | None,
+        typer.Option(help="pso (particle swarm, the default) or cma (CMA-ES, that of ik-pid)."),
+    ] = None,
+    start: Annotated[str, typer.Option(help="Where attempts start: zero or middle.")] = "zero",
+    goals: Annotated[
+        int | None, typer.Option(min=1, help="Training goals: 3000, or 600 for ik-pid.")
+    ] = None,
+    evaluations: Annotated[
+        int | None,
+        typer.Option(min=1, help="Gain sets to judge in a search: 4840, or 400 for ik-pid."),
+    ] = None,
+    runs: Annotated[int, typer.Option(min=1, help="Searches, of which the best is kept.")] = 3,
+    refinement: Annotated[
+        int | None,
+        typer.Option(min=0, help="Gain sets to judge in the refinement, 0 for none: 2400, or 200."),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the search and its goals.")] = 0,
+    tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-3,
+    threads: Annotated[
+        int | None, typer.Option(min=1, help="Threads; by default all cores.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on from the checkpoint of a run that was killed.")
+    ] = False,
+) -> None:
+    """Find the gains of a feedback solver and write them with how well they do.
+
+    A checkpoint beside the output keeps the search, every few seconds, until it is done.
+    """
+    with _exit_codes():
+        from ..tuning import Tuning
+        from ._tune import tune_to_file
+
+        given = {
+            "method": method,
+            "goals": goals,
+            "evaluations": evaluations,
+            "refinement": refinement,
+        }
+        tuning = Tuning.usual(
+            solver,
+            shape=shape,
+            start=start,
+            runs=runs,
+            seed=seed,
+            tolerance=tol,
+            threads=threads,
+            **{name: value for name, value in given.items() if value is not None},
+        )
+        content = tune_to_file(robot, tuning, output, force=force, resume=resume)
+        success = content.success
+        if success is not None:
+            typer.echo(
+                f"{success.solved} of {success.goals} goals kept apart are reached "
+                f"(training: {content.training.solved} of {content.training.goals})"
+            )
+        typer.echo(f"gains: {output}")
+
+
+@app.command()
+def paper(
+    name: Annotated[
+        str, typer.Argument(help=f"Whose paper: {', '.join(PAPERS[:-1])} or {PAPERS[-1]}.")
+    ],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
+    force: Annotated[
+        bool, typer.Option("--force", help="Write into a folder that holds files.")
+    ] = False,
+) -> None:
+    """Compute a paper's tables and figures anew and write them to a folder.
+
+    Published values, where there are any, stand beside ours. Needs the extra `papers`.
+    """
+    with _exit_codes():
+        from ._paper import reproduce
+
+        def report(line: str) -> None:
+            typer.echo(f"{name}: {line}", err=True)
+
+        for file in reproduce(name, output, report, force=force):
+            typer.echo(str(file))

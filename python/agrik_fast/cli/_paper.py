@@ -1,0 +1,34 @@
+"""``agrik-fast paper``: the tables and figures of a paper, written to a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from .. import papers
+from ..errors import ArgumentError, UnknownNameError
+
+
+def reproduce(
+    name: str, directory: Path, report: Callable[[str], None], *, force: bool
+) -> list[Path]:
+    """Write the files of a paper into a folder and return their paths.
+
+    Raises
+    ------
+    UnknownNameError
+        No such paper.
+    ArgumentError
+        The folder holds files and `force` is False.
+    AgrikError
+        Matplotlib is missing.
+    """
+    if name not in papers.PAPERS:
+        raise UnknownNameError("paper", name, papers.PAPERS)
+    if directory.exists() and not directory.is_dir():
+        raise ArgumentError("output", f"the file {directory}", "a folder")
+    if directory.is_dir() and any(directory.iterdir()) and not force:
+        raise ArgumentError(
+            "output", f"{directory}, which holds files", "an empty or new folder (or --force)"
+        )
+    return papers.reproduce(name, directory, report)

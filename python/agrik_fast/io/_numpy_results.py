@@ -1,0 +1,121 @@
+"""Results to NPY (as a stream) and NPZ (gathered, written at the end)."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+from numpy.lib import format as npy_format
+from numpy.typing import NDArray
+
+from ._records import STATUS_NAMES, ResultChunk, ResultLayout
+from ._writer import ResultWriter
+
+
+def record_dtype(layout: ResultLayout, id_dtype: np.dtype[Any]) -> np.dtype[Any]:
+    """Return the structured type of one result row."""
+    return np.dtype(
+        [
+            ("id", id_dtype),
+            *((name, np.float64) for name in layout.joint_columns),
+            ("status", np.int8),
+            ("success", np.bool_),
+            ("position_error_m", np.float64),
+            ("orientation_error_rad", np.float64),
+            ("iterations", np.int32),
+            ("restarts", np.int32),
+        ]
+    )
+
+
+def records(layout: ResultLayout, chunk: ResultChunk) -> NDArray[Any]:
+    """Return the chunk as a structured array."""
+    out = np.empty(len(chunk), dtype=record_dtype(layout, chunk.ids.dtype))
+    out["id"] = chunk.ids
+    for k, name in enumerate(layout.joint_columns):
+        out[name] = chunk.q[:, k]
+    out["status"] = chunk.status
+    out["success"] = chunk.success
+    out["position_error_m"] = chunk.position_error
+    out["orientation_error_rad"] = chunk.orientation_error
+    out["iterations"] = chunk.iterations
+    out["restarts"] = chunk.restarts
+    return out
+
+
+class NpyWriter(ResultWriter):
+    """A structured array, row by row on the disk.
+
+    The header is written for no rows first and again when their number is known: NumPy pads
+    it so that the first axis can grow in place. Text ids have no common width until all are
+    known, so such rows are gathered.
+    """
+
+    def __init__(self, path: Path, layout: ResultLayout, *, force: bool) -> None:
+        super().__init__(path, layout, force=force)
+        self._count = 0
+        self._gathered: list[NDArray[Any]] = []
+        self._dtype = record_dtype(layout, np.dtype(np.int64))
+        if not layout.text_ids:
+            self._header(0)
+            self._body = self._file.stream.tell()
+
+    def _header(self, count: int) -> None:
+        header = {
+            "descr": npy_format.dtype_to_descr(self._dtype),
+            "fortran_order": False,
+            "shape": (count,),
+        }
+        npy_format.write_array_header_2_0(self._file.stream, header)
+
+    def _write(self, chunk: ResultChunk) -> None:
+        rows = records(self.layout, chunk)
+        if self.layout.text_ids:
+            self._gathered.append(rows)
+        else:
+            # The bytes as they lie, without a copy.
+            self._file.stream.write(rows.view(np.uint8).data)
+        self._count += len(chunk)
+
+    def _finish(self) -> None:
+        if self.layout.text_ids:
+            rows = np.concatenate(self._gathered)
+            npy_format.write_array(self._file.stream, rows, allow_pickle=False)
+            return
+        self._file.stream.seek(0)
+        self._header(self._count)
+        if self._file.stream.tell() != self._body:
+            raise AssertionError("NumPy's header is padded for growth of the first axis")
+        self._file.stream.seek(0, 2)
+
+
+class NpzWriter(ResultWriter):
+    """Plain arrays in a compressed archive."""
+
+    def __init__(self, path: Path, layout: ResultLayout, *, force: bool) -> None:
+        super().__init__(path, layout, force=force)
+        self._gathered: list[ResultChunk] = []
+
+    def _write(self, chunk: ResultChunk) -> None:
+        self._gathered.append(chunk)
+
+    def _finish(self) -> None:
+        def joined(name: str) -> NDArray[Any]:
+            return np.concatenate([getattr(chunk, name) for chunk in self._gathered])
+
+        np.savez_compressed(
+            cast(Any, self._file.stream),
+            id=joined("ids"),
+            q=joined("q"),
+            joint_columns=np.array(self.layout.joint_columns),
+            status=joined("status").astype(np.int8),
+            status_names=np.array(STATUS_NAMES),
+            success=joined("success"),
+            position_error_m=joined("position_error"),
+            orientation_error_rad=joined("orientation_error"),
+            iterations=joined("iterations"),
+            restarts=joined("restarts"),
+            metadata=np.array(json.dumps(self.layout.metadata, sort_keys=True)),
+        )

@@ -1,0 +1,56 @@
+"""What every reader of targets offers."""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from ._records import TargetChunk
+
+DEFAULT_CHUNK = 65_536
+"""Rows of a chunk."""
+
+
+class TargetReader(abc.ABC):
+    """An open target file.
+
+    Attributes
+    ----------
+    path : Path
+    is_pose : bool
+        True if every target has an orientation.
+    count : int or None
+        Number of targets, None where only reading on would tell (CSV).
+    has_text_ids : bool
+        True if the row ids are text.
+    ignored : tuple of str
+        Columns or keys that were found and not used.
+    """
+
+    path: Path
+    is_pose: bool
+    count: int | None
+    has_text_ids: bool = False
+    ignored: tuple[str, ...] = ()
+
+    @abc.abstractmethod
+    def chunks(self, size: int = DEFAULT_CHUNK) -> Iterator[TargetChunk]:
+        """Yield the targets in order, at most `size` rows at a time.
+
+        Raises
+        ------
+        TargetFileError
+            At the chunk that holds the fault, naming its row and column.
+        """
+
+    def read_all(self) -> TargetChunk:
+        """All targets as one chunk."""
+        parts = list(self.chunks())
+        return TargetChunk(
+            0,
+            np.concatenate([part.targets for part in parts]),
+            np.concatenate([part.ids for part in parts]),
+        )

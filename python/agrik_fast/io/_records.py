@@ -1,0 +1,108 @@
+"""Chunks of targets and of results, and the names that result files hold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..result import Status
+
+STATUS_NAMES = tuple(status.name.lower() for status in Status)
+"""Names of the statuses in files, in the order of their codes."""
+
+FIXED_COLUMNS = (
+    "status",
+    "success",
+    "position_error_m",
+    "orientation_error_rad",
+    "iterations",
+    "restarts",
+)
+"""Columns of every result file, after the row's id and its joint values."""
+
+METADATA_PREFIX = "agrik_fast."
+"""What the keys of a Parquet schema's metadata begin with."""
+
+
+@dataclass(frozen=True)
+class TargetChunk:
+    """Consecutive targets of a file.
+
+    Attributes
+    ----------
+    first : int
+        Index of the chunk's first target in the file, from 0.
+    targets : ndarray, shape (n, 3) in m, or (n, 4, 4)
+        Tool points or tool poses in the robot's base frame.
+    ids : ndarray, shape (n,)
+        Row ids of the file, as int64 or text; row numbers from 1 where the file has none.
+    """
+
+    first: int
+    targets: NDArray[np.float64]
+    ids: NDArray[Any]
+
+    def __len__(self) -> int:
+        return len(self.targets)
+
+
+@dataclass(frozen=True)
+class ResultLayout:
+    """What every row of a result file holds besides the fixed columns.
+
+    Attributes
+    ----------
+    joint_columns : tuple of str
+        One per joint, the name with its unit: ``theta_rad``, ``s10_m``.
+    text_ids : bool
+        True if the row ids are text.
+    metadata : dict of str
+        How the results were made (robot, task, solver, seed, ...); kept in NPZ and Parquet.
+    """
+
+    joint_columns: tuple[str, ...]
+    text_ids: bool = False
+    metadata: dict[str, str] = field(default_factory=dict)
+
+    @staticmethod
+    def joint_names(names: Sequence[str], types: Sequence[str]) -> tuple[str, ...]:
+        """Return column names of joints: ``_m`` for prismatic ones, ``_rad`` for the others."""
+        return tuple(
+            f"{name}_{'m' if kind == 'prismatic' else 'rad'}"
+            for name, kind in zip(names, types, strict=True)
+        )
+
+
+@dataclass(frozen=True)
+class ResultChunk:
+    """Consecutive results.
+
+    Attributes
+    ----------
+    ids : ndarray, shape (n,)
+        Row ids as read, int64 or text.
+    q : ndarray, shape (n, dof), rad or m
+        Joint values; of an unsolved row the best found.
+    status : ndarray, shape (n,)
+        Codes of `agrik_fast.Status`.
+    success : ndarray of bool, shape (n,)
+    position_error : ndarray, shape (n,), m
+    orientation_error : ndarray, shape (n,), rad
+    iterations, restarts : ndarray, shape (n,)
+    """
+
+    ids: NDArray[Any]
+    q: NDArray[np.float64]
+    status: NDArray[np.integer[Any]]
+    success: NDArray[np.bool_]
+    position_error: NDArray[np.float64]
+    orientation_error: NDArray[np.float64]
+    iterations: NDArray[np.integer[Any]]
+    restarts: NDArray[np.integer[Any]]
+
+    def __len__(self) -> int:
+        return len(self.status)

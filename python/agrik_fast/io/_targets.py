@@ -1,0 +1,77 @@
+"""Targets as an iterator of chunks, whatever the file's kind.
+
+Units: metres and radians after reading; a file may use others where its column or key names
+say so. A row that is not finite passes through, so that it becomes status ``bad_input`` and
+its neighbours are solved; a matrix or quaternion that is no rotation is made NaN for the same
+end. Text in a number's place is an error that names row and column.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ._errors import TargetFileError, os_reason
+from ._reader import TargetReader
+
+TARGET_SUFFIXES = (".csv", ".npy", ".npz", ".parquet")
+"""Kinds of target files."""
+
+
+def read_targets(path: Path | str) -> TargetReader:
+    """Open a target file; the kind follows from the suffix.
+
+    * ``.csv``: a header line with ``x_m,y_m,z_m`` (or ``_cm``, ``_mm``); optionally one
+      orientation: ``qx,qy,qz,qw`` (scalar last), ``zyz_alpha_rad,zyz_beta_rad,zyz_gamma_rad``
+      (Rz Ry Rz) or ``roll_rad,pitch_rad,yaw_rad`` (URDF's fixed axes), angles also ``_deg``;
+      optionally ``id``. Columns in any order; lines that start with ``#`` are skipped.
+    * ``.parquet``: the same columns.
+    * ``.npy``: (n, 3) points in m, or (n, 4, 4) poses in m.
+    * ``.npz``: ``T`` (n, 4, 4) in m; or ``position_m`` (or ``position_cm``, ``position_mm``)
+      (n, 3) with at most one of ``quaternion_xyzw`` (n, 4), ``zyz_rad``, ``zyz_deg``,
+      ``rpy_rad``, ``rpy_deg`` (n, 3); optionally ``id`` (n,).
+
+    Parameters
+    ----------
+    path : path-like
+
+    Returns
+    -------
+    TargetReader
+
+    Raises
+    ------
+    TargetFileError
+        If the file is missing, unreadable, empty, of an unknown kind, or its columns do not
+        describe targets.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in TARGET_SUFFIXES:
+        kinds = ", ".join(TARGET_SUFFIXES)
+        raise TargetFileError(path, f"unknown suffix '{path.suffix}', expected one of {kinds}")
+    if path.is_dir():
+        raise TargetFileError(path, "is a folder, expected a file")
+    try:
+        empty = path.stat().st_size == 0
+    except OSError as error:
+        raise TargetFileError(path, f"cannot be read: {os_reason(error)}") from error
+    if empty:
+        raise TargetFileError(path, "the file is empty")
+    try:
+        return _open(path, suffix)
+    except OSError as error:
+        raise TargetFileError(path, f"cannot be read: {os_reason(error)}") from error
+
+
+def _open(path: Path, suffix: str) -> TargetReader:
+    if suffix == ".csv":
+        from ._csv_targets import CsvReader
+
+        return CsvReader(path)
+    if suffix == ".parquet":
+        from ._parquet_targets import ParquetReader
+
+        return ParquetReader(path)
+    from ._numpy_targets import NpyReader, open_npz
+
+    return NpyReader(path) if suffix == ".npy" else open_npz(path)

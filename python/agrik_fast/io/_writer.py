@@ -1,0 +1,75 @@
+"""What every writer of results does: the file appears when it is complete."""
+
+from __future__ import annotations
+
+import abc
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from ._atomic import AtomicFile
+from ._errors import ResultFileError, os_reason
+from ._records import ResultChunk, ResultLayout
+
+
+class ResultWriter(abc.ABC):
+    """Writes chunks in order; `close` puts the file in place, leaving on an error does not.
+
+    Use it as a context manager: a ``with`` block left by an exception, Ctrl-C included,
+    removes what was written and leaves the destination as it was.
+    """
+
+    def __init__(self, path: Path, layout: ResultLayout, *, force: bool) -> None:
+        self.path = path
+        self.layout = layout
+        self._file = AtomicFile(path, force=force)
+
+    def write(self, chunk: ResultChunk) -> None:
+        """Append a chunk.
+
+        Raises
+        ------
+        ResultFileError
+            If the disk refuses.
+        """
+        try:
+            self._write(chunk)
+        except OSError as error:
+            raise ResultFileError(self.path, f"cannot be written: {os_reason(error)}") from error
+
+    def close(self) -> None:
+        """Finish the file and move it to its name."""
+        try:
+            self._finish()
+        except OSError as error:
+            self.discard()
+            raise ResultFileError(self.path, f"cannot be written: {os_reason(error)}") from error
+        self._file.commit()
+
+    def discard(self) -> None:
+        """Give up: nothing appears at the destination."""
+        self._file.discard()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if kind is not None:
+            self.discard()
+            return
+        try:
+            self.close()
+        except BaseException:
+            self.discard()
+            raise
+
+    @abc.abstractmethod
+    def _write(self, chunk: ResultChunk) -> None: ...
+
+    @abc.abstractmethod
+    def _finish(self) -> None: ...

@@ -1,0 +1,61 @@
+"""Figures of the paper on redundant7."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from .._output import figure, save
+from ._published import PUBLISHED_COST, PUBLISHED_MEAN
+from ._tables import Repeated, SinglePoint
+
+GOOD, BAD = "#2a7f62", "#b5462f"
+
+
+def convergence(folder: Path, content: SinglePoint) -> list[Path]:
+    """Draw the best cost by generation (figure 3)."""
+    drawing = figure(6, 4)
+    axes = drawing.subplots()
+    axes.semilogy(content.costs, color=GOOD, label="one run")
+    axes.semilogy(content.median, "--", color="gray", label="median of 30 runs")
+    axes.axvline(80, color=BAD, linewidth=0.8, label="convergence as published")
+    axes.plot([200], [PUBLISHED_COST], "D", color=BAD, label="published cost, 6.65e-6")
+    axes.set_xlabel("generation")
+    axes.set_ylabel("best cost [mm + 100 rad]")
+    axes.legend()
+    return save(drawing, folder, "figure3")
+
+
+def thirty(folder: Path, content: Repeated) -> list[Path]:
+    """Draw the costs of the first 30 runs (figure 4)."""
+    drawing = figure(6, 4)
+    axes = drawing.subplots()
+    run = np.arange(1, 31)
+    costs, good = content.costs[:30], content.success[:30]
+    axes.semilogy(run, costs, color="lightgray", zorder=1)
+    axes.semilogy(run[good], costs[good], "o", color=GOOD, label="succeeded")
+    axes.semilogy(run[~good], costs[~good], "x", color=BAD, label="stuck")
+    axes.axhline(
+        PUBLISHED_MEAN, color="gray", linewidth=0.8, linestyle="--", label="published mean"
+    )
+    axes.set_xlabel("run")
+    axes.set_ylabel("cost after 200 generations [mm + 100 rad]")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+    return save(drawing, folder, "figure4")
+
+
+def histogram(folder: Path, content: Repeated) -> list[Path]:
+    """Draw how often which cost was reached, failures included."""
+    drawing = figure(6, 4)
+    axes = drawing.subplots()
+    costs = np.log10(np.maximum(content.costs, 1e-12))
+    edges = np.linspace(costs.min(), costs.max(), 61).tolist()
+    axes.hist(costs[content.success], edges, color=GOOD, label="succeeded")
+    axes.hist(costs[~content.success], edges, color=BAD, label="stuck")
+    axes.set_yscale("log")
+    axes.set_xlabel("log10 of the cost after 200 generations [mm + 100 rad]")
+    axes.set_ylabel("runs")
+    axes.set_title(f"{content.share:.1%} of {len(costs)} runs succeed", fontsize="medium")
+    axes.legend()
+    return save(drawing, folder, "histogram")

@@ -1,0 +1,58 @@
+"""All files of the paper on redundant7."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from . import _figures, _tables
+from ._tables import write_table
+
+REPEATS = 1000
+"""Seeds of the long repetitive test, targets of the comparison, runs a row of the ablation."""
+
+
+def reproduce(
+    directory: str | Path, repeats: int = REPEATS, report: Callable[[str], None] | None = None
+) -> list[Path]:
+    """Write the tables (CSV, Markdown) and figures (PNG, SVG) of the paper.
+
+    Parameters
+    ----------
+    directory : str or path
+        Where to; made if it does not exist.
+    repeats : int, default 1000
+        Runs behind each share of successes, >= 30; fewer are quicker and less certain.
+    report : callable, optional
+        Called with a line of text for each part that is done.
+
+    Returns
+    -------
+    list of path
+        The files written.
+    """
+    folder = Path(directory)
+    folder.mkdir(parents=True, exist_ok=True)
+    say = report or (lambda _: None)
+    files: list[Path] = []
+
+    lengths = _tables.lengths()
+    files += write_table(folder, "lengths", lengths)
+    say("lengths and angles of the published joint vector (section 2)")
+
+    single = _tables.single_point()
+    files += write_table(folder, "single_point", single.table)
+    files += _figures.convergence(folder, single)
+    say(f"single-point test (figure 3): cost {single.costs[-1]:.2e} after 200 generations")
+
+    repeated = _tables.repeated(max(repeats, 30))
+    files += write_table(folder, "repeated", repeated.table)
+    files += _figures.thirty(folder, repeated)
+    files += _figures.histogram(folder, repeated)
+    say(f"repetitive test (figure 4): {repeated.share:.1%} of {len(repeated.costs)} runs succeed")
+
+    files += write_table(folder, "ablation", _tables.ablation(repeats))
+    say("ablation of the recipe")
+    files += write_table(folder, "comparison", _tables.comparison(repeats))
+    say("differential evolution beside the step solver on random targets")
+    return files

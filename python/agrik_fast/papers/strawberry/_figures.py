@@ -1,0 +1,193 @@
+"""Figures of the strawberry paper: the plant from above and the mechanism in its poses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..._checks import FloatArray
+from ...arms import StrawberryArm
+from .._output import figure, save
+from ._published import (
+    SPHERE_CENTRE,
+    SPHERE_RADIUS,
+    TABLE4_COLUMNS,
+    TABLE4_TARGETS,
+    Column,
+    targets,
+)
+
+NAMES = {"as": "AS", "ssas": "SSAS", "ncos": "NCOS", "exact": "exact minimum"}
+QUADRANT_COLORS = ("#2a7f62", "#c0532b", "#3b5ba5", "#8a4f9e")
+RAIL, ACROSS, DOWN, LINKS, TARGET = "#888888", "#3b5ba5", "#c0532b", "#222222", "#d01c1c"
+PLANT, BED = "#4caf50", "#8d8d8d"
+
+
+def figure2(directory: Path) -> list[Path]:
+    """Draw the circle that the plant covers, from above, with the targets of table 3."""
+    drawing = figure(5.2, 5.0)
+    axes = drawing.add_subplot()
+    points = 1000 * targets()
+    x, y = 1000 * SPHERE_CENTRE[:2]
+    angle = np.linspace(0, 2 * np.pi, 181)
+    radius = 1000 * SPHERE_RADIUS
+    axes.plot(x + radius * np.cos(angle), y + radius * np.sin(angle), color="#444444")
+    axes.axhline(y, color="#999999", linewidth=0.6)
+    axes.axvline(x, color="#999999", linewidth=0.6)
+    axes.plot(x, y, "+", color="#444444")
+    for quadrant in range(4):
+        own = slice(5 * quadrant, 5 * quadrant + 5)
+        color = QUADRANT_COLORS[quadrant]
+        axes.plot(points[own, 0], points[own, 1], "o", color=color, label=f"Q{quadrant + 1}")
+    for number, (px, py, _) in enumerate(points, 1):
+        # Towards the middle, where neither the circle nor most neighbours are.
+        right, up = {10: (6, 0), 12: (6, 7)}.get(number, (-6 if px > x else 6, 0))
+        axes.annotate(
+            str(number),
+            (px, py),
+            xytext=(right, up),
+            textcoords="offset points",
+            fontsize=7,
+            ha="left" if right > 0 else "right",
+            va="center",
+        )
+    axes.set_aspect("equal")
+    axes.set_xlabel("x [mm]")
+    axes.set_ylabel("y [mm]")
+    axes.legend(loc="lower left", bbox_to_anchor=(1.0, 0.0), fontsize=8, title="quadrant")
+    axes.set_title("Figure 2: the plant from above, targets of table 3", fontsize=10)
+    return save(drawing, directory, "figure2")
+
+
+def joint_points(arm: StrawberryArm, q: FloatArray) -> FloatArray:
+    """Return pitch axis, roll axis and tool point, shape (3, 3), m."""
+    l2, l3 = (float(np.asarray(arm.parameters[name])) for name in ("l2", "l3"))
+    theta, beta = q[3:]
+    down = np.array([-np.sin(theta), 0.0, -np.cos(theta)])
+    tip = arm.fk(q)
+    roll = tip - l3 * (np.cos(beta) * down + np.array([0.0, np.sin(beta), 0.0]))
+    return np.array([roll - l2 * down, roll, tip])
+
+
+def draw_pose(
+    axes: Any, arm: StrawberryArm, q: FloatArray, target: FloatArray, close: bool = False
+) -> None:
+    """Draw slides, arm, plant sphere and bed in a 3D axes, mm; `close`: arm and plant alone."""
+    from matplotlib.ticker import MultipleLocator
+
+    points = 1000 * joint_points(arm, q)
+    low, high = 1000 * arm.lower, 1000 * arm.upper
+    pitch = points[0]
+    rail_z = pitch[2] + 1000 * float(q[2])
+    # Slides: y (s10) on both sides, x (s21) across, z (s32) down.
+    y_rail = pitch[1] - 1000 * float(q[0]) + np.array([low[0], high[0]])
+    x_rail = pitch[0] - 1000 * float(q[1]) + np.array([low[1], high[1]])
+    if not close:
+        for x in x_rail:
+            axes.plot([x, x], y_rail, [rail_z, rail_z], color=RAIL, linewidth=2)
+        axes.plot(x_rail, [pitch[1]] * 2, [rail_z, rail_z], color=ACROSS, linewidth=3)
+    top = min(rail_z, pitch[2] + 60) if close else rail_z
+    axes.plot([pitch[0]] * 2, [pitch[1]] * 2, [top, pitch[2]], color=DOWN, linewidth=3)
+    axes.plot(*points.T, "-o", color=LINKS, linewidth=2.5, markersize=4)
+    axes.plot(*(1000 * target), "x", color=TARGET, markersize=7)
+    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 25), np.linspace(0, np.pi, 13))
+    cx, cy, cz = 1000 * SPHERE_CENTRE
+    radius = 1000 * SPHERE_RADIUS
+    axes.plot_surface(
+        cx + radius * np.cos(u) * np.sin(v),
+        cy + radius * np.sin(u) * np.sin(v),
+        cz + radius * np.cos(v),
+        color=PLANT,
+        alpha=0.25,
+        linewidth=0,
+    )
+    if not close:
+        _draw_bed(axes, cy, cz)
+    spans = [(0, 950), (0, 850), (-650, 50)]
+    if close:
+        spans = [(cx - 190, cx + 190), (cy - 190, cy + 190), (cz - 120, cz + 260)]
+    for set_limits, span in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), spans, strict=True):
+        set_limits(*span)
+    axes.set_box_aspect([high - low for low, high in spans], zoom=0.85 if close else 1.15)
+    if close:
+        for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+            axis.set_major_locator(MultipleLocator(100))
+    axes.set_xlabel("x [mm]", fontsize=7)
+    axes.set_ylabel("y [mm]", fontsize=7)
+    axes.set_zlabel("z [mm]", fontsize=7)
+    axes.tick_params(labelsize=6)
+    axes.view_init(elev=18, azim=-62)
+
+
+def _draw_bed(axes: Any, middle: float, top: float) -> None:
+    """Draw a raised bed, a trapezium drawn along x; its size is our assumption."""
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    ends = []
+    for x in (80.0, 900.0):
+        section = [(-150, -250), (150, -250), (100, -100), (-100, -100)]
+        ends.append([(x, middle + y, top + z) for y, z in section])
+    sides = [[ends[0][i], ends[0][j], ends[1][j], ends[1][i]] for i, j in ((1, 2), (2, 3), (3, 0))]
+    bed = Poly3DCollection(ends + sides, facecolor=BED, edgecolor="#6b6b6b", alpha=0.25)
+    axes.add_collection3d(bed)
+
+
+def _title(arm: StrawberryArm, q: FloatArray, method: str, target: FloatArray | None = None) -> str:
+    s10, s21, s32 = 1000 * q[:3]
+    theta, beta = np.degrees(q[3:])
+    place = ""
+    if target is not None:
+        x, y, z = 1000 * target
+        place = f" at ({x:.0f}, {y:.0f}, {z:.1f}) mm"
+    return (
+        f"{NAMES[method]}{place}: {1000 * float(arm.energy(q)):.1f} mJ\n"
+        f"s10 {s10:.1f}, s21 {s21:.1f}, s32 {s32:.1f} mm, θ {theta:.2f}°, β {beta:.2f}°"
+    )
+
+
+def _legend(close: bool) -> list[Any]:
+    """Return what the colours of `draw_pose` stand for."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    lines = [("slide s10 (y), two rails", RAIL), ("slide s21 (x)", ACROSS)]
+    lines = [*([] if close else lines), ("slide s32 (z)", DOWN)]
+    handles: list[Any] = [Line2D([], [], color=c, linewidth=3, label=name) for name, c in lines]
+    handles.append(Line2D([], [], color=LINKS, marker="o", markersize=4, label="arm (θ, β)"))
+    cross = Line2D([], [], color=TARGET, marker="x", linestyle="none", label="target")
+    handles += [cross, Patch(facecolor=PLANT, alpha=0.4, label="plant")]
+    if not close:
+        handles.append(Patch(facecolor=BED, alpha=0.4, label="bed (size assumed)"))
+    return handles
+
+
+def pose(
+    directory: Path, name: str, target: FloatArray, method: Column, arm: StrawberryArm
+) -> list[Path]:
+    """Draw the mechanism as a method places it for one target."""
+    drawing = figure(6.4, 5.4)
+    axes = drawing.add_subplot(projection="3d")
+    q = arm.solve(target, method).q
+    draw_pose(axes, arm, q, target)
+    number = name.removeprefix("figure")
+    what = f"Figure {number}" if number != name else "Not in the paper"
+    drawing.suptitle(f"{what}. {_title(arm, q, method)}", fontsize=9)
+    drawing.legend(handles=_legend(close=False), loc="outside lower center", ncols=4, fontsize=7)
+    return save(drawing, directory, name)
+
+
+def table4(directory: Path, arm: StrawberryArm) -> list[Path]:
+    """Draw the poses of table 4: two targets by every method."""
+    drawing = figure(15, 9)
+    for row, target in enumerate(TABLE4_TARGETS):
+        for column, method in enumerate(TABLE4_COLUMNS):
+            axes = drawing.add_subplot(2, 4, 4 * row + column + 1, projection="3d")
+            # The label of its neighbour's z axis reaches into a panel.
+            axes.patch.set_visible(False)
+            q = arm.solve(target, method).q
+            draw_pose(axes, arm, q, target, close=True)
+            axes.set_title(_title(arm, q, method, target), fontsize=8)
+    drawing.legend(handles=_legend(close=True), loc="outside lower center", ncols=4, fontsize=9)
+    return save(drawing, directory, "table4")

@@ -1,0 +1,45 @@
+"""All files of the strawberry paper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from ...arms import StrawberryArm
+from . import _figures
+from ._published import FIGURE_TARGET, Column
+from ._tables import write_tables
+
+
+def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -> list[Path]:
+    """Write tables 3 and 4, figures 2 and 4-6, table 4's poses and the 24 experiments.
+
+    Parameters
+    ----------
+    directory : Path
+        Folder, made if need be; files of the same names are replaced.
+    report : callable, optional
+        Told what is being worked on.
+
+    Returns
+    -------
+    list of Path
+        The files.
+    """
+    say = report or (lambda line: None)
+    directory.mkdir(parents=True, exist_ok=True)
+    arm = StrawberryArm()
+    say("tables and experiments")
+    files = write_tables(directory, arm)
+    say("figures")
+    files += _figures.figure2(directory)
+    poses: dict[str, Column] = {
+        "figure4": "as",
+        "figure5": "ssas",
+        "figure6": "ncos",
+        "exact": "exact",
+    }
+    for name, method in poses.items():
+        files += _figures.pose(directory, name, FIGURE_TARGET, method, arm)
+    files += _figures.table4(directory, arm)
+    return files

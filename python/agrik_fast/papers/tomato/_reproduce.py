@@ -1,0 +1,38 @@
+"""All files of the tomato paper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from . import _figures
+from ._published import PUBLISHED
+from ._tables import monte_carlo, write_figure8, write_table1, write_torques
+
+
+def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -> list[Path]:
+    """Write table 1, figure 8, the torque table and a picture of the arm.
+
+    Parameters
+    ----------
+    directory : Path
+        Folder, made if need be; files of the same names are replaced.
+    report : callable, optional
+        Told what is being worked on.
+
+    Returns
+    -------
+    list of Path
+        The files.
+    """
+    say = report or (lambda line: None)
+    directory.mkdir(parents=True, exist_ok=True)
+    say("table 1")
+    files = write_table1(directory)
+    say("figure 8")
+    draws = {method: monte_carlo(method) for method in PUBLISHED}
+    files.append(write_figure8(directory, draws))
+    files += write_torques(directory)
+    files += _figures.figure8(directory, draws)
+    files += _figures.arm(directory)
+    return files

@@ -1,0 +1,308 @@
+"""Robot files: the TOML form of a robot, read strictly.
+
+A file describes a chain in one of two forms, ``[[dh]]`` rows or ``[[joint]]``
+rows, with optional ``[base]``, ``[tool]``, ``[frames.<name>]``, ``[source]`` and
+``[provenance]`` tables. Every number's key ends in its unit: ``_m`` or ``_mm``,
+``_rad`` or ``_deg``. Unknown keys are faults, and all faults of a file are
+reported at once.
+
+pydantic checks types and keys. What needs more than one key (one unit only,
+limits that suit the joint's type, names that exist) is checked on the raw
+tables, so that a wrong type in one row does not hide a fault in another.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+
+from .. import _rotations
+from ..errors import Fault, RobotFileError, nearest_names
+from ._file_checks import combined_faults, quantity
+
+__all__ = ["DhTable", "JointTable", "MimicTable", "RobotFile", "TransformTable", "read"]
+
+_Triple = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
+_JointType = Literal["revolute", "continuous", "prismatic", "fixed"]
+_Name = Annotated[str, Field(min_length=1)]
+_T = TypeVar("_T")
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+
+class TransformTable(_Table):
+    """A rigid transform: a translation and a rotation, both optional."""
+
+    xyz_m: _Triple | None = None
+    """Translation x, y, z, m."""
+    xyz_mm: _Triple | None = None
+    """Translation x, y, z, mm."""
+    rpy_rad: _Triple | None = None
+    """Roll, pitch, yaw about the fixed x, y, z axes in turn (as in URDF), rad."""
+    rpy_deg: _Triple | None = None
+    """The same, degrees."""
+    rotation: Annotated[list[_Triple], Field(min_length=3, max_length=3)] | None = None
+    """Rotation matrix, row by row; instead of roll, pitch, yaw."""
+    description: str | None = None
+    """What the frame is."""
+    provenance: dict[str, str] = {}
+    """Where the numbers are from: mark, or mark and text."""
+
+    def matrix(self) -> NDArray[np.float64]:
+        """Return the transform as an array, shape (4, 4), m."""
+        result = np.eye(4)
+        tables = self.model_dump()
+        result[:3, 3] = _or(quantity(tables, "xyz"), (0.0, 0.0, 0.0))
+        if self.rotation is not None:
+            result[:3, :3] = self.rotation
+        else:
+            rpy = _or(quantity(tables, "rpy"), (0.0, 0.0, 0.0))
+            result[:3, :3] = _rotations.from_rpy(np.array(rpy))
+        return result
+
+
+class MimicTable(_Table):
+    """The rule of a joint that follows another: multiplier * value + offset."""
+
+    joint: _Name
+    """Name of the joint it follows."""
+    multiplier: FiniteFloat = 1.0
+    """Factor, no unit (rad/rad, m/m) or rad/m, m/rad."""
+    offset_m: FiniteFloat | None = None
+    """Added, m."""
+    offset_mm: FiniteFloat | None = None
+    """Added, mm."""
+    offset_rad: FiniteFloat | None = None
+    """Added, rad."""
+    offset_deg: FiniteFloat | None = None
+    """Added, degrees."""
+
+    @property
+    def offset(self) -> float:
+        """Added after the factor, m or rad."""
+        return float(_or(quantity(self.model_dump(), "offset"), 0.0))
+
+
+class _Row(_Table):
+    name: _Name
+    """Name of the joint."""
+    type: _JointType
+    """revolute, continuous, prismatic or fixed."""
+    lower_m: FiniteFloat | None = None
+    """Smallest value of a prismatic joint, m."""
+    lower_mm: FiniteFloat | None = None
+    """The same, mm."""
+    lower_rad: FiniteFloat | None = None
+    """Smallest value of a revolute joint, rad."""
+    lower_deg: FiniteFloat | None = None
+    """The same, degrees."""
+    upper_m: FiniteFloat | None = None
+    """Largest value of a prismatic joint, m."""
+    upper_mm: FiniteFloat | None = None
+    """The same, mm."""
+    upper_rad: FiniteFloat | None = None
+    """Largest value of a revolute joint, rad."""
+    upper_deg: FiniteFloat | None = None
+    """The same, degrees."""
+    provenance: dict[str, str] = {}
+    """Where the numbers are from: mark, or mark and text."""
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Smallest and largest value, rad or m; infinite where there is none."""
+        table = self.model_dump()
+        return (
+            float(_or(quantity(table, "lower"), -np.inf)),
+            float(_or(quantity(table, "upper"), np.inf)),
+        )
+
+
+class DhTable(_Row):
+    """One row of a Denavit-Hartenberg table.
+
+    The joint's value is added to theta (revolute, continuous) or to d (prismatic).
+    """
+
+    a_m: FiniteFloat | None = None
+    """Link length, m."""
+    a_mm: FiniteFloat | None = None
+    """Link length, mm."""
+    alpha_rad: FiniteFloat | None = None
+    """Link twist, rad."""
+    alpha_deg: FiniteFloat | None = None
+    """Link twist, degrees."""
+    d_m: FiniteFloat | None = None
+    """Link offset, m."""
+    d_mm: FiniteFloat | None = None
+    """Link offset, mm."""
+    theta_rad: FiniteFloat | None = None
+    """Joint angle offset, rad."""
+    theta_deg: FiniteFloat | None = None
+    """Joint angle offset, degrees."""
+
+    def values(self) -> tuple[float, float, float, float]:
+        """Return a (m), alpha (rad), d (m), theta (rad)."""
+        table = self.model_dump()
+        a, alpha, d, theta = (float(quantity(table, k)) for k in ("a", "alpha", "d", "theta"))
+        return a, alpha, d, theta
+
+
+class JointTable(_Row, TransformTable):
+    """One joint by its origin in the previous link and its axis in that origin."""
+
+    axis: _Triple | None = None
+    """Direction of the axis; any length but zero."""
+    mimic: MimicTable | None = None
+    """Rule, if the joint follows another."""
+
+
+class SourceTable(_Table):
+    """Where the robot's description is from."""
+
+    title: _Name
+    """Title of the paper or the model."""
+    authors: str | None = None
+    """Authors' surnames."""
+    journal: str | None = None
+    """Journal, volume, pages."""
+    year: int | None = None
+    """Year of publication."""
+    doi: str | None = None
+    """DOI, without the address of a resolver."""
+    url: str | None = None
+    """Address."""
+    equation: str | None = None
+    """Numbers of the equations used."""
+    table: str | None = None
+    """Numbers of the tables used."""
+    note: str | None = None
+    """Readings, corrections, doubts."""
+
+
+class RobotFile(_Table):
+    """A robot file's content."""
+
+    format: Literal[1]
+    """Version of this form: 1."""
+    name: _Name
+    """Short name of the robot."""
+    description: str = ""
+    """One line: what it is, its joints, its tool frame."""
+    convention: Literal["standard", "modified"] | None = None
+    """Kind of the ``[[dh]]`` rows: standard (distal) or modified (Craig)."""
+    q_order: list[str] | None = None
+    """Names of the joint variables in the order of q; physical order without it."""
+    source: SourceTable | None = None
+    """Where the description is from."""
+    provenance: dict[str, str] = {}
+    """Meaning of each mark used in the rows' ``provenance``."""
+    base: TransformTable = TransformTable()
+    """First link's frame in the frame that poses are given in."""
+    tool: TransformTable = TransformTable()
+    """Tool in the last link's frame."""
+    frames: dict[str, TransformTable] = {}
+    """Further frames: each transform leads from poses of this file to that frame."""
+    dh: list[DhTable] = []
+    """Denavit-Hartenberg rows, from base to tool."""
+    joint: list[JointTable] = []
+    """Joint rows, from base to tool."""
+
+
+def read(path: Path) -> RobotFile:
+    """Read and check a robot file.
+
+    Parameters
+    ----------
+    path : Path
+        TOML file.
+
+    Returns
+    -------
+    RobotFile
+        The content; all checks passed.
+
+    Raises
+    ------
+    RobotFileError
+        With every fault of the file and its place.
+    OSError
+        The file cannot be read.
+    """
+    return parse(path.read_bytes(), path.name)
+
+
+def parse(data: bytes, name: str) -> RobotFile:
+    """Check the content of a robot file; `name` is used in messages only."""
+    try:
+        raw = tomllib.loads(data.decode())
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise RobotFileError(name, [("", f"not a TOML file: {error}")]) from None
+    faults: list[Fault] = []
+    result = None
+    try:
+        result = RobotFile.model_validate(raw)
+    except ValidationError as error:
+        faults += [
+            Fault(
+                _place(item["loc"]), _message(item["type"], item["loc"], item["msg"], item["input"])
+            )
+            for item in error.errors(include_url=False)
+        ]
+    faults += combined_faults(raw)
+    if faults or result is None:
+        raise RobotFileError(name, faults)
+    return result
+
+
+def _place(loc: tuple[int | str, ...]) -> str:
+    if len(loc) > 1 and isinstance(loc[1], int):
+        place, keys = f"[[{loc[0]}]] row {loc[1] + 1}", loc[2:]
+    elif loc[0] == "frames" and len(loc) > 1:
+        place, keys = f"[frames.{loc[1]}]", loc[2:]
+    elif len(loc) > 1:
+        place, keys = f"[{loc[0]}]", loc[1:]
+    else:
+        place, keys = "", loc
+    key = ".".join(str(k) for k in keys if isinstance(k, str))
+    return ", ".join(part for part in (place, key) if part)
+
+
+_TABLES: dict[str, type[_Table]] = {
+    "base": TransformTable,
+    "tool": TransformTable,
+    "frames": TransformTable,
+    "source": SourceTable,
+    "dh": DhTable,
+    "joint": JointTable,
+}
+
+
+def _message(kind: str, loc: tuple[int | str, ...], message: str, value: object) -> str:
+    if kind == "missing":
+        return "missing"
+    if kind == "extra_forbidden":
+        table = RobotFile if len(loc) == 1 else _TABLES[str(loc[0])]
+        if "mimic" in loc[:-1]:
+            table = MimicTable
+        known = list(table.model_fields)
+        near = nearest_names(str(loc[-1]), known)
+        hint = f"; did you mean {near[0]!r}?" if near else f"; known: {', '.join(known)}"
+        return f"unknown key{hint}"
+    return f"{message[0].lower()}{message[1:]}, got {value!r}"
+
+
+def _or(value: _T | None, default: _T) -> _T:
+    return default if value is None else value
+
+
+def source_fields(source: SourceTable | None) -> Mapping[str, Any]:
+    """Return the given fields of a source table, in the file's order of keys."""
+    return {} if source is None else source.model_dump(exclude_none=True)

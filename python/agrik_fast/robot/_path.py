@@ -1,0 +1,52 @@
+"""What `Robot.follow` returns: a path of postures, each the continuation of the one before."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._checks import FloatArray
+
+__all__ = ["Path"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """Postures along a sequence of n targets.
+
+    Parameters
+    ----------
+    q : ndarray, shape (n, dof), rad or m
+        Joint values. Where a target was not reached the arm stays where it was.
+    success : ndarray of bool, shape (n,)
+        True where a final FK check met the tolerances and the limits.
+    status : ndarray of uint8, shape (n,)
+        Codes of `agrik_fast.Status`.
+    position_error, orientation_error : ndarray, shape (n,), m, rad
+        What is left to the target.
+    iterations : ndarray of uint32, shape (n,)
+        Steps taken.
+    discontinuity : ndarray of bool, shape (n,)
+        True where no continuation was found: the posture lies farther from the one before
+        than a joint step, or the target was not reached at all.
+    joint_step : ndarray, shape (n, dof), rad or m
+        Change of each joint from the posture before; 0 in the first row without a start.
+    """
+
+    q: FloatArray
+    success: NDArray[np.bool_]
+    status: NDArray[np.uint8]
+    position_error: FloatArray
+    orientation_error: FloatArray
+    iterations: NDArray[np.uint32]
+    discontinuity: NDArray[np.bool_]
+    joint_step: FloatArray
+
+    def __repr__(self) -> str:
+        count = len(self.q)
+        return (
+            f"Path({count} target{'' if count == 1 else 's'}: {int(self.success.sum())} reached, "
+            f"{int(self.discontinuity.sum())} discontinuities)"
+        )

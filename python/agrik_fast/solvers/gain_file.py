@@ -1,0 +1,295 @@
+"""Gain files: tuned gains with everything that is needed to use them rightly.
+
+A TOML or JSON file says for which robot and start the gains are, in which units and along
+which axes they are written, on what they were trained and how they did on goals kept
+apart. Unknown keys, wrong types and matrices that do not fit are refused.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from os import PathLike
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self, TypeVar
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    FiniteFloat,
+    ValidationError,
+    model_validator,
+)
+
+from ..errors import ArgumentError, GainFileError, UnknownNameError
+from ._feedback import IDENTITY, IkPid, StateSpace, StaticGain
+
+__all__ = ["GainFile", "bundled", "load", "read", "write"]
+
+_FOLDER = Path(__file__).parent / "bundled"
+_LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001}
+_ANGLES = {"rad": 1.0, "deg": math.pi / 180}
+_Row = list[FiniteFloat]
+_Rows = Annotated[list[_Row], Field(min_length=1)]
+_Count = Annotated[int, Field(ge=0)]
+_Number = Annotated[int, Field(ge=1)]
+_SolverT = TypeVar("_SolverT")
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+
+class UnitsTable(_Table):
+    """Units that the gains are written in."""
+
+    length: Literal["m", "dm", "cm", "mm"]
+    """Of the position error."""
+    angle: Literal["rad", "deg"]
+    """Of what revolute joints are moved by."""
+    rotation_length_m: FiniteFloat | None = None
+    """Length that one radian of orientation error counts as, m."""
+
+
+class FrameTable(_Table):
+    """Axes of the error."""
+
+    name: str = "base"
+    """Name of the frame, as in the robot's file."""
+    rotation: Annotated[list[_Row], Field(min_length=3, max_length=3)] = [
+        list(row) for row in IDENTITY
+    ]
+    """Leads directions of the robot's first link to these axes."""
+
+
+class GainsTable(_Table):
+    """The numbers: A, B and C, or K, or kp, ki and kd."""
+
+    A: _Rows | None = None
+    """States by states."""
+    B: _Rows | None = None
+    """States by rows of the error."""
+    C: _Rows | None = None
+    """Joint values by states."""
+    K: _Rows | None = None
+    """Joint values by rows of the error."""
+    kp: FiniteFloat | None = None
+    """Proportional gain."""
+    ki: FiniteFloat | None = None
+    """Integral gain."""
+    kd: FiniteFloat | None = None
+    """Derivative gain."""
+
+
+class TrainingTable(_Table):
+    """What the gains were tuned on."""
+
+    origin: str
+    """Where they are from, in words."""
+    law: str | None = None
+    """How the training goals were drawn."""
+    seed: _Count | None = None
+    """Seed of the training goals."""
+    goals: _Number | None = None
+    """Number of training goals."""
+    evaluations: _Count | None = None
+    """Gain sets that the search judged."""
+    cost: FiniteFloat | None = None
+    """Mean cost on the training goals."""
+    solved: _Count | None = None
+    """Training goals reached."""
+    validation_seed: _Count | None = None
+    """Seed of the goals that the choice between gain sets was made on."""
+    validation_goals: _Number | None = None
+    """Number of these."""
+    validation_solved: _Count | None = None
+    """How many of these the chosen set reaches."""
+
+    @model_validator(mode="after")
+    def _no_more_than_there_are(self) -> Self:
+        _check_share("solved", self.solved, self.goals)
+        _check_share("validation_solved", self.validation_solved, self.validation_goals)
+        return self
+
+
+class SuccessTable(_Table):
+    """How the gains do on goals kept apart from the training."""
+
+    law: str
+    """How the goals were drawn."""
+    seed: _Count
+    """Seed of the goals."""
+    goals: _Number
+    """Number of goals."""
+    solved: _Count
+    """Goals reached."""
+    tolerance_m: Annotated[FiniteFloat, Field(gt=0)]
+    """Distance that counts as reached, m."""
+    max_iterations: _Number
+    """Steps allowed."""
+    mean_iterations: Annotated[FiniteFloat, Field(ge=0)] | None = None
+    """Mean steps over the goals reached."""
+
+    @model_validator(mode="after")
+    def _no_more_than_there_are(self) -> Self:
+        _check_share("solved", self.solved, self.goals)
+        return self
+
+
+def _check_share(name: str, solved: int | None, goals: int | None) -> None:
+    if solved is not None and goals is not None and solved > goals:
+        raise ValueError(f"{name}: {solved} of {goals} goals")
+
+
+class GainFile(_Table):
+    """A gain file's content."""
+
+    format: Literal[1] = 1
+    """Version of this form: 1."""
+    solver: Literal["state-space", "static-gain", "ik-pid"]
+    """Whose gains these are."""
+    robot: str | None = None
+    """Name of the robot they were tuned for."""
+    start: Literal["sampled", "zero", "middle"]
+    """Start they were tuned for."""
+    description: str = ""
+    """One line."""
+    units: UnitsTable
+    """Units of the numbers."""
+    frame: FrameTable = FrameTable()
+    """Axes of the error."""
+    gains: GainsTable
+    """The numbers."""
+    training: TrainingTable
+    """What they were tuned on."""
+    success: SuccessTable | None = None
+    """How they do on other goals."""
+
+    def make(self) -> StateSpace | StaticGain | IkPid:
+        """Return the solver: one attempt from the start that the gains were tuned for.
+
+        Raises
+        ------
+        ArgumentError
+            Gains are missing or do not fit together.
+        """
+        given = self.gains.model_dump(exclude_none=True)
+        wanted = {"state-space": "ABC", "static-gain": "K", "ik-pid": ("kp", "ki", "kd")}
+        names = tuple(wanted[self.solver])
+        if set(given) != set(names):
+            raise ArgumentError("gains", ", ".join(given) or "nothing", ", ".join(names))
+        common: dict[str, Any] = {
+            "length_unit_m": _LENGTHS[self.units.length],
+            "angle_unit_rad": _ANGLES[self.units.angle],
+            "start": self.start,
+            "max_iterations": 1000,
+            "max_restarts": 0,
+            "robot": self.robot,
+        }
+        if self.solver == "ik-pid":
+            return IkPid(**given, **common)
+        common["frame"] = self.frame.rotation
+        common["rotation_length_m"] = self.units.rotation_length_m
+        if self.solver == "static-gain":
+            return StaticGain(**given, **common)
+        return StateSpace(**given, **common)
+
+
+def bundled() -> tuple[str, ...]:
+    """Return the names of the bundled gain sets, sorted."""
+    return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
+
+
+def read(source: str | PathLike[str]) -> GainFile:
+    """Read and check a gain file.
+
+    Parameters
+    ----------
+    source : str or path
+        Path of a .toml or .json file, or the name of a bundled set.
+
+    Returns
+    -------
+    GainFile
+        The content.
+
+    Raises
+    ------
+    UnknownNameError
+        Neither a file nor a bundled set.
+    GainFileError
+        The file holds no valid gains; says what is wrong and where.
+    """
+    return _read(source)[0]
+
+
+def _read(source: str | PathLike[str]) -> tuple[GainFile, StateSpace | StaticGain | IkPid]:
+    """Return the content of a gain file and its solver, made once: it may warn."""
+    path = Path(source)
+    if path.suffix not in (".toml", ".json"):
+        name = str(source)
+        if name not in bundled():
+            raise UnknownNameError("gain set", name, bundled())
+        path = _FOLDER / f"{name}.toml"
+    try:
+        text = path.read_text(encoding="utf-8")
+        raw = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
+    except (OSError, ValueError) as error:
+        raise GainFileError(path.name, f"cannot be read: {error}") from None
+    try:
+        content = GainFile.model_validate(raw)
+        solver = content.make()
+    except ValidationError as error:
+        faults = [
+            f"{'.'.join(map(str, item['loc'])) or 'the whole'}: {item['msg'].lower()}"
+            for item in error.errors(include_url=False)
+        ]
+        raise GainFileError(path.name, "; ".join(faults)) from None
+    except ArgumentError as error:
+        raise GainFileError(path.name, str(error)) from None
+    return content, solver
+
+
+def load(source: str | PathLike[str], kind: type[_SolverT]) -> _SolverT:
+    """Return the solver of a gain file; see `agrik_fast.solvers.load_gains`."""
+    names: dict[object, str] = {known: known.name for known in (StateSpace, StaticGain, IkPid)}
+    if kind not in names:
+        raise ArgumentError("kind", repr(kind), "StateSpace, StaticGain or IkPid")
+    _, solver = _read(source)
+    if not isinstance(solver, kind):
+        message = f"holds gains for {solver.name!r}, not for {names[kind]!r}"
+        raise GainFileError(str(source), message)
+    return solver
+
+
+def write(path: Path, content: GainFile) -> None:
+    """Write a gain file, TOML or JSON by its suffix.
+
+    The file appears under its name only when it is complete.
+    """
+    tables = content.model_dump(exclude_none=True)
+    if path.suffix == ".json":
+        text = json.dumps(tables, indent=2) + "\n"
+    elif path.suffix == ".toml":
+        text = _toml(tables)
+    else:
+        raise ArgumentError("output", str(path), "a name that ends in .toml or .json")
+    temporary = path.with_name(f".{path.name}.partial")
+    temporary.write_text(text, encoding="utf-8")
+    temporary.replace(path)
+
+
+def _toml(tables: dict[str, Any]) -> str:
+    lines = [f"{key} = {_value(x)}" for key, x in tables.items() if not isinstance(x, dict)]
+    for name, table in tables.items():
+        if isinstance(table, dict):
+            lines += ["", f"[{name}]", *(f"{key} = {_value(x)}" for key, x in table.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _value(x: object) -> str:
+    if isinstance(x, list) and x and isinstance(x[0], list):
+        return "[\n" + "".join(f"    {_value(row)},\n" for row in x) + "]"
+    return json.dumps(x)

@@ -1,0 +1,92 @@
+//! The solver that needs no choice: the closed form, and the default step solver for targets
+//! that it leaves open.
+//!
+//! A closed form ends with a solution, a proof that there is none, or neither. Targets of the
+//! last kind (singular postures at joint limits, mostly) go on to the step solver, each by
+//! itself: with the request's seed and its own index, so that its answer does not depend on
+//! what else is in the batch.
+
+use std::sync::OnceLock;
+
+use crate::call::{AnswersMut, Request, Solve, Status};
+use crate::closed_form::{ArmAngle, Choice, Query};
+use crate::error::Result;
+use crate::lanes::Level;
+use crate::solve::{Plan, Settings};
+
+/// So many open targets are solved together: enough to fill the lanes.
+const TOGETHER: usize = 64;
+
+/// A request to the closed form with the default step solver behind it.
+#[derive(Debug, Clone)]
+pub struct Auto<'a> {
+    query: Query<'a>,
+    request: Request<'a>,
+    /// Made for the first target that needs it: mostly none does.
+    plan: OnceLock<Result<Box<Plan<'a>>>>,
+}
+
+impl<'a> Auto<'a> {
+    /// A checked request for full poses of an arm with a closed form; the nearest branch, of
+    /// all arm angles where one is free.
+    pub fn new(request: Request<'a>) -> Result<Self> {
+        let query = Query::new(request, ArmAngle::Free, Choice::default())?;
+        Ok(Self { query, request, plan: OnceLock::new() })
+    }
+
+    /// Solves what is left open; false where `keep_going` said no.
+    fn go_on<'b>(
+        &self,
+        level: Level,
+        open: &mut Vec<AnswersMut<'b>>,
+        keep_going: &mut dyn FnMut() -> bool,
+    ) -> bool {
+        if open.is_empty() {
+            return true;
+        }
+        let plan =
+            self.plan.get_or_init(|| Plan::new(self.request, Settings::default()).map(Box::new));
+        // The request is checked and the settings are the default: there is a plan. Without
+        // one the targets would stay as the closed form left them.
+        let Ok(plan) = plan else {
+            open.clear();
+            return true;
+        };
+        let mut open = open.drain(..);
+        plan.run(level, &mut || open.next(), keep_going)
+    }
+}
+
+impl Solve for Auto<'_> {
+    fn rows(&self) -> usize {
+        self.query.rows()
+    }
+    fn dof(&self) -> usize {
+        self.query.dof()
+    }
+    fn run_length(&self) -> usize {
+        self.query.run_length()
+    }
+    fn run<'b>(
+        &self,
+        level: Level,
+        next: &mut dyn FnMut() -> Option<AnswersMut<'b>>,
+        keep_going: &mut dyn FnMut() -> bool,
+    ) -> bool {
+        let mut open = Vec::new();
+        while let Some(mut rows) = next() {
+            let mut all = Some(rows.reborrow());
+            if !self.query.run(level, &mut || all.take(), keep_going) {
+                return false;
+            }
+            if rows.any(Status::NotFound) {
+                let single = rows.split(1).into_iter();
+                open.extend(single.filter(|row| row.any(Status::NotFound)));
+            }
+            if open.len() >= TOGETHER && !self.go_on(level, &mut open, keep_going) {
+                return false;
+            }
+        }
+        self.go_on(level, &mut open, keep_going)
+    }
+}

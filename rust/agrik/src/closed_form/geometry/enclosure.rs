@@ -1,0 +1,140 @@
+//! Angles known up to a bound: what a closed form's angles can be at most and at least where
+//! its numbers are not known exactly.
+//!
+//! A target counts as reached within a tolerance, the recognised geometry differs a little
+//! from the chain's, and numbers are rounded. An angle is therefore enclosed: the arc holds
+//! the angle of every posture whose pose is that near to the target. Near a singularity arcs
+//! grow, to the whole turn in the end. Every bound here errs towards arcs too long.
+
+use std::f64::consts::{PI, TAU};
+
+use super::limit::Limit;
+use super::range::Range;
+use super::turn::Meeting;
+use crate::lanes::{V3, cross, hypotenuse};
+
+/// Added to the half length of every arc that a function of the library made, rad: more than
+/// the rounding of any of them.
+const ROUNDING: f64 = 1e-12;
+
+/// The angles within `off` of `middle`, rad; all of them where `off` is pi or more.
+#[derive(Debug, Clone, Copy)]
+pub struct Arc {
+    /// Middle of the arc.
+    pub middle: f64,
+    /// Half its length.
+    pub off: f64,
+}
+
+impl Arc {
+    /// The direction of a point of the plane that is known to within `error`.
+    pub fn toward(x: f64, y: f64, error: f64) -> Self {
+        let length = hypotenuse(x, y);
+        if error < length {
+            Self { middle: y.atan2(x), off: (error / length).asin() + ROUNDING }
+        } else {
+            Self::all()
+        }
+    }
+
+    /// Any angle at all.
+    pub fn all() -> Self {
+        Self { middle: 0.0, off: PI }
+    }
+
+    /// Sums of an angle of this arc and one of another.
+    pub fn plus(self, other: Self) -> Self {
+        Self { middle: self.middle + other.middle, off: self.off + other.off }
+    }
+
+    /// Differences of an angle of this arc and one of another.
+    pub fn minus(self, other: Self) -> Self {
+        Self { middle: self.middle - other.middle, off: self.off + other.off }
+    }
+
+    /// The arc turned on by a known angle.
+    pub fn turned(self, by: f64) -> Self {
+        Self { middle: self.middle + by, ..self }
+    }
+
+    /// The angles of the other sign.
+    fn mirrored(self) -> Self {
+        Self { middle: -self.middle, ..self }
+    }
+
+    /// How far a point at unit distance can be from where the middle puts it.
+    pub fn chord(&self) -> f64 {
+        self.off.min(2.0)
+    }
+
+    /// No whole number of turns brings any angle of the arc inside the limits.
+    pub fn is_outside(&self, limit: &Limit) -> bool {
+        if !limit.half.is_finite() {
+            return false;
+        }
+        let off = self.middle - limit.middle;
+        let nearest = (off - TAU * (off / TAU).round()).abs();
+        nearest > limit.half + self.off + ROUNDING
+    }
+}
+
+/// The angles between 0 and pi whose cosines are in a range; `None` where none is.
+pub fn arc_cosines(range: Range) -> Option<Arc> {
+    if range.low > 1.0 || range.high < -1.0 {
+        return None;
+    }
+    let least = range.high.min(1.0).acos();
+    let most = range.low.max(-1.0).acos();
+    Some(Arc { middle: 0.5 * (least + most), off: 0.5 * (most - least) + ROUNDING })
+}
+
+/// Angles with `a cos + b sin = c` for every `(a, b)` within `error` and `c` of a range, on
+/// each of the two sides; `None` where there is none.
+pub fn linear_arcs(a: f64, b: f64, error: f64, c: Range) -> Option<[Arc; 2]> {
+    let length = hypotenuse(a, b);
+    if length <= error {
+        let least = if c.low <= 0.0 && c.high >= 0.0 { 0.0 } else { c.low.abs().min(c.high.abs()) };
+        return (least <= length + error).then(|| [Arc::all(), Arc::all()]);
+    }
+    let inverse = Range { low: length - error, high: length + error }.inverse();
+    let away = arc_cosines(c.times(inverse))?;
+    let toward = Arc::toward(a, b, error);
+    Some([toward.plus(away), toward.minus(away)])
+}
+
+/// A rotation that is known to within an angle: its columns x and z, and that angle.
+#[derive(Debug, Clone, Copy)]
+pub struct Rotation {
+    pub x: V3<f64>,
+    pub z: V3<f64>,
+    /// Angle of the rotation from here to any that is meant, rad.
+    pub off: f64,
+}
+
+/// Arcs of the turns of three joints whose axes meet that bring about a rotation, for each
+/// side of the second one; `None` where none do. See [`Meeting::solve`].
+pub fn triples(meeting: &Meeting, wanted: &Rotation) -> Option<[[Arc; 3]; 2]> {
+    let (s1, c1) = (meeting.one.sine, meeting.one.cosine);
+    let (s2, c2) = (meeting.two.sine, meeting.two.cosine);
+    let Rotation { x, z, off } = *wanted;
+    let chord = off.min(2.0) + ROUNDING;
+    let cosine = (c1 * c2 - z[2]) / (s1 * s2);
+    let wide = chord / (s1 * s2).abs();
+    let second = arc_cosines(Range { low: cosine - wide, high: cosine + wide })?;
+    // The third row's part across the third axis.
+    let row = (x[2], cross(z, x)[2]);
+    let (column, row) = (Arc::toward(z[0], z[1], chord), Arc::toward(row.0, row.1, chord));
+    Some([second, second.mirrored()].map(|second| {
+        let (sine, cosine) = second.middle.sin_cos();
+        let error = second.chord() + ROUNDING;
+        let up = Arc::toward(s2 * sine, -c1 * s2 * cosine - s1 * c2, s2.abs() * error);
+        let down = Arc::toward(s1 * sine, c2 * s1 * cosine + s2 * c1, s1.abs() * error);
+        [column.minus(up), second, down.minus(row)]
+    }))
+}
+
+/// Some joint is outside its limits, whichever of the arcs' angles it stands at; arcs of
+/// turns, which are counted from offsets.
+pub fn any_outside(arcs: &[Arc; 3], limits: &[(Limit, f64); 3]) -> bool {
+    arcs.iter().zip(limits).any(|(arc, (limit, offset))| arc.turned(-offset).is_outside(limit))
+}
