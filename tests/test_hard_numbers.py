@@ -7,8 +7,9 @@ import pytest
 
 import agrik_fast as ik
 from agrik_fast import solvers, tasks
+from agrik_fast.arms import StrawberryArm, TomatoArm
 from agrik_fast.errors import ArgumentError
-from agrik_fast.population import DifferentialEvolution, GeneticAlgorithm
+from agrik_fast.solvers import DifferentialEvolution, GeneticAlgorithm
 
 UR5 = ik.Robot.load("ur5")
 PUMA = ik.Robot.load("puma560")
@@ -136,7 +137,7 @@ def test_huge_gains_are_refused(x):
         solvers.StaticGain(K=np.ones((6, 3)), length_unit_m=1 / x),
         solvers.IkPid(kp=x),
     ):
-        with pytest.raises(ArgumentError, match="1e50|finite"):
+        with pytest.raises(ArgumentError, match=r"1e50|finite"):
             PUMA.ik([0.3, 0.2, 0.4], solver=gains)
 
 
@@ -150,8 +151,8 @@ def test_too_many_dimensions_are_refused(dimensions):
         (lambda: PUMA.fk(np.zeros((*leading, 6))), 1),
         (lambda: PUMA.fk_links(np.zeros((*leading, 6))), 2),
         (lambda: PUMA.jacobian(np.zeros((*leading, 6))), 1),
-        (lambda: ik.closed_form.TomatoArm().branches(np.full((*leading, 3), 0.1)), 1),
-        (lambda: ik.closed_form.StrawberryArm().solve(np.full((*leading, 3), 0.1)), 0),
+        (lambda: TomatoArm().branches(np.full((*leading, 3), 0.1)), 1),
+        (lambda: StrawberryArm().solve(np.full((*leading, 3), 0.1)), 0),
     ]
     for call, more in pairs:
         if dimensions + more > 32:

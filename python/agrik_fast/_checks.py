@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 import operator
+from collections.abc import Collection
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import ArgumentError
+from .errors import ArgumentError, UnknownNameError
+
+# As in the compiled core.
+_MOST_DIMENSIONS = 32
 
 FloatArray = NDArray[np.float64]
 
@@ -25,6 +29,15 @@ def shown(value: object) -> str:
         return f"a {type(value).__name__}"
 
 
+def word(kind: str, value: object, known: Collection[str]) -> str:
+    """Return `value` if it is one of a few words."""
+    if not isinstance(value, str):
+        raise ArgumentError(kind, shown(value), f"one of {', '.join(known)}")
+    if value not in known:
+        raise UnknownNameError(kind, value, known)
+    return value
+
+
 def float_array(argument: str, value: ArrayLike) -> FloatArray:
     """Return `value` as a float64 array; anything but real numbers is refused."""
     try:
@@ -33,6 +46,9 @@ def float_array(argument: str, value: ArrayLike) -> FloatArray:
         raise ArgumentError(argument, "rows of unequal length", "an array of numbers") from None
     if array.dtype.kind not in "fiu":
         raise ArgumentError(argument, f"an array of {array.dtype}", "an array of numbers")
+    if array.ndim > _MOST_DIMENSIONS:
+        expected = f"at most {_MOST_DIMENSIONS} dimensions"
+        raise ArgumentError(argument, f"{array.ndim} dimensions", expected)
     return array.astype(np.float64, copy=False)
 
 

@@ -143,7 +143,8 @@ def _entry(
 
 
 def _strings(argument: str, values: Sequence[str], count: int) -> list[str]:
-    if isinstance(values, str) or not all(isinstance(value, str) for value in values):
+    listed = isinstance(values, Sequence) and not isinstance(values, str)
+    if not listed or not all(isinstance(value, str) for value in values):
         raise ArgumentError(argument, repr(values), "a sequence of strings")
     if len(values) != count:
         raise ArgumentError(argument, f"{len(values)} entries", f"{count}, one per row")
