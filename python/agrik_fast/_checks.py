@@ -29,6 +29,17 @@ def shown(value: object) -> str:
         return f"a {type(value).__name__}"
 
 
+def text(argument: str, value: object) -> str:
+    """Return `value` if it is a text that can be written."""
+    if not isinstance(value, str):
+        raise ArgumentError(argument, shown(value), "a text")
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        raise ArgumentError(argument, shown(value), "a text in Unicode") from None
+    return value
+
+
 def word(kind: str, value: object, known: Collection[str]) -> str:
     """Return `value` if it is one of a few words."""
     if not isinstance(value, str):

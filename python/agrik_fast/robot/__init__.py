@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, float_array, whole_number, word
+from .._checks import FloatArray, float_array, text, whole_number, word
 from ._definition import Definition, bundled_names, from_robot_file, locate, read_urdf
 from ._dh_rows import CONVENTIONS, DhRow, read_table
 from ._inverse import InverseKinematics
@@ -140,6 +140,7 @@ class Robot(InverseKinematics):
         ('continuous', 'continuous')
         """
         word("convention", convention, CONVENTIONS)
+        text("name", name)
         table = read_table(rows, limits, joint_types, joint_names)
         definition = Definition(
             method="from_dh",
@@ -184,6 +185,9 @@ class Robot(InverseKinematics):
             The text is no URDF, its links are cyclic or disconnected, a link is
             unknown or ambiguous, or no joint moves.
         """
+        for argument, link in (("base_link", base_link), ("tip_link", tip_link)):
+            if link is not None:
+                text(argument, link)
         return cls(Definition("from_urdf", (read_urdf(path_or_text), base_link, tip_link)))
 
     @staticmethod

@@ -2,7 +2,7 @@
 
 use agrik::Error;
 use pyo3::call::PyCallArgs;
-use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError};
+use pyo3::exceptions::{PyAttributeError, PyKeyboardInterrupt, PyRuntimeError};
 use pyo3::panic::PanicException;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -49,6 +49,19 @@ pub fn argument(py: Python<'_>, argument: &str, received: &str, expected: &str) 
 pub fn value(argument_name: &str, received: &Bound<'_, PyAny>, expected: &str) -> PyErr {
     let text = received.repr().map_or_else(|_| "an object".to_owned(), |text| text.to_string());
     argument(received.py(), argument_name, &text, expected)
+}
+
+/// What was read of an object's fields; a field that it lacks is its argument's fault.
+pub fn whole_object<T>(
+    argument_name: &str,
+    object: &Bound<'_, PyAny>,
+    expected: &str,
+    read: PyResult<T>,
+) -> PyResult<T> {
+    read.map_err(|error| {
+        let lacks = error.is_instance_of::<PyAttributeError>(object.py());
+        if lacks { value(argument_name, object, expected) } else { error }
+    })
 }
 
 /// An `UnknownNameError`, which finds the nearest of the known names itself.

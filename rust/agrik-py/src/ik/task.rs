@@ -37,6 +37,12 @@ pub fn wanted(task: Option<&Bound<'_, PyAny>>, targets_are_poses: bool) -> PyRes
             }
         };
     }
+    let expected = "a task of agrik_fast.tasks, with all its fields";
+    errors::whole_object("task", task, expected, of_object(task))
+}
+
+/// The task with the fields of an object.
+fn of_object(task: &Bound<'_, PyAny>) -> PyResult<Wanted> {
     let refuse = || {
         let expected = "a task of agrik_fast.tasks or one of position, pose, axis";
         errors::value("task", task, expected)
