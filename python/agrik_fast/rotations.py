@@ -310,7 +310,15 @@ def zyz_of(poses: ArrayLike) -> EulerAngles:
 
 def zyz_differences(a: ArrayLike, b: ArrayLike) -> FloatArray:
     """Return a - b of ZYZ angles, shape (..., 3), rad; alpha and gamma wrapped to half a turn."""
-    difference = float_array("a", a) - float_array("b", b)
+    first, second = float_array("a", a), float_array("b", b)
+    for name, angles in (("a", first), ("b", second)):
+        if angles.ndim < 1 or angles.shape[-1] != 3:
+            raise ArgumentError(name, f"shape {angles.shape}", "shape (..., 3)")
+    try:
+        difference = first - second
+    except ValueError:
+        expected = f"a shape that broadcasts with {first.shape}"
+        raise ArgumentError("b", f"shape {second.shape}", expected) from None
     wrapped = np.pi - (np.pi - difference) % (2 * np.pi)
     return np.where(np.array([True, False, True]), wrapped, difference)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .._checks import shown
 from .._native import check_solver
 from ..errors import ArgumentError, UnknownNameError
 
@@ -16,5 +17,5 @@ def check_fields(solver: object) -> None:
         argument = f"{type(solver).__name__}.{error.argument}"
         # As the caller wrote it.
         given = getattr(solver, error.argument, None)
-        received = error.received if given is None else repr(given)
+        received = error.received if given is None else shown(given)
         raise ArgumentError(argument, received, error.expected) from None

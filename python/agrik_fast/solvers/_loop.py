@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..errors import UnknownNameError
+from .._checks import word
 from ._core import check_fields
 
 LARGEST_COUNT = 2**32 - 1
@@ -87,5 +87,4 @@ class FeedbackLoop(Loop):
 
 def check_start(start: object) -> None:
     """Refuse what is none of `STARTS`."""
-    if start not in STARTS:
-        raise UnknownNameError("start", str(start), STARTS)
+    word("start", start, STARTS)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
-from .._checks import real_number, whole_number
+from .._checks import whole_number
 from ..errors import ArgumentError
 from ._feedback import Feedback
 from ._loop import LARGEST_COUNT, JacobianLoop, check_start

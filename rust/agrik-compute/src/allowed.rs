@@ -4,6 +4,29 @@ use std::fmt;
 
 use crate::error::{Error, Result};
 
+/// The largest size of a measure: a length, coordinate, joint value, weight or gain. Beyond any
+/// that means something, and small enough for products of six to be numbers still.
+pub const LARGEST: f64 = 1e50;
+
+/// True for a finite number no larger than a measure may be.
+#[inline(always)]
+pub fn is_measure(x: f64) -> bool {
+    // False for NaN.
+    x.abs() <= LARGEST
+}
+
+/// Refuses an argument with a number that is no measure.
+pub fn check_measures(argument: &str, numbers: impl IntoIterator<Item = f64>) -> Result<()> {
+    match numbers.into_iter().find(|x| !is_measure(*x)) {
+        None => Ok(()),
+        Some(x) if x.is_finite() => {
+            let expected = format!("numbers of size {LARGEST:e} at most");
+            Err(Error::argument(argument, expected, format!("{x:e}")))
+        }
+        Some(_) => Err(Error::argument(argument, "finite numbers", "NaN or infinity")),
+    }
+}
+
 /// A range of finite numbers; written out as an error message wants it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Allowed {
@@ -139,6 +162,21 @@ impl<'a> Field<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn measures_are_finite_and_not_huge() {
+        for x in [0.0, -0.0, 1.5, 5e-324, -LARGEST] {
+            assert!(is_measure(x), "{x}");
+        }
+        let said = |x: f64| check_measures("tool", [0.0, x]).err().map(|error| error.to_string());
+        assert_eq!(said(1.0), None);
+        let expected = "tool: expected numbers of size 1e50 at most, got -1e160";
+        assert_eq!(said(-1e160).as_deref(), Some(expected));
+        for x in [f64::NAN, f64::INFINITY] {
+            let expected = "tool: expected finite numbers, got NaN or infinity";
+            assert_eq!(said(x).as_deref(), Some(expected));
+        }
+    }
 
     #[test]
     fn ends_belong_where_they_are_said_to() {

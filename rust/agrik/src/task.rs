@@ -4,6 +4,7 @@
 //! half a turn; they are scaled by a length per radian so that they can stand beside
 //! metres in one sum of squares. Tolerances apply to the unscaled errors.
 
+use crate::allowed::{LARGEST, is_measure};
 use crate::chain::Tail;
 use crate::error::{Error, Result};
 use crate::kinematics::Workspace;
@@ -51,12 +52,12 @@ impl Task {
                 Ok(Self::Axis { tool_axis: unit })
             }
             Self::Masked { weights, .. }
-                if weights.iter().any(|w| !w.is_finite() || *w < 0.0)
+                if weights.iter().any(|w| !is_measure(*w) || *w < 0.0)
                     || weights.iter().all(|w| *w == 0.0) =>
             {
                 Err(Error::argument(
                     "weights",
-                    "six finite numbers, none negative, at least one positive",
+                    format!("six numbers, 0 to {LARGEST:e}, at least one positive"),
                     format!("{weights:?}"),
                 ))
             }

@@ -34,8 +34,15 @@ pub fn chosen(solver: Option<&Bound<'_, PyAny>>, robot: &str) -> PyResult<Solver
     let Some(solver) = solver else { return Ok(Solver::default()) };
     let py = solver.py();
     if let Ok(name) = solver.cast::<PyString>() {
-        return named(py, name.to_str()?);
+        return named(py, &name.to_string_lossy());
     }
+    let expected = "a solver of agrik_fast.solvers, with all its fields";
+    errors::whole_object("solver", solver, expected, of_object(solver, robot))
+}
+
+/// The solver with the fields of an object.
+fn of_object(solver: &Bound<'_, PyAny>, robot: &str) -> PyResult<Solver> {
+    let py = solver.py();
     let name = solver.getattr("name").and_then(|name| name.extract::<String>()).map_err(|_| {
         let names = Solver::names().collect::<Vec<_>>().join(", ");
         let expected = format!("a solver of agrik_fast.solvers or one of {names}");

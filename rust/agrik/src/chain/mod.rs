@@ -16,6 +16,7 @@ pub use dh::{DhConvention, DhRow};
 pub use joint::{Joint, JointKind, Mimic, UNLIMITED};
 pub use reach::Reach;
 
+use crate::allowed::check_measures;
 use crate::error::{Error, Result};
 use memo::Memo;
 
@@ -73,6 +74,8 @@ impl Chain {
         variable_order: Option<&[String]>,
     ) -> Result<Self> {
         check_joints(&joints)?;
+        check_measures("base", numbers(&base))?;
+        check_measures("tool", numbers(&tool))?;
         let mut variables = variables_of(&joints)?;
         if variables.is_empty() {
             return Err(Error::argument("joints", "at least one movable joint", "none"));
@@ -197,9 +200,7 @@ fn check_joints(joints: &[Joint]) -> Result<()> {
         if !joint.axis.iter().all(|x| x.is_finite()) {
             return Err(Error::argument(place("axis"), "a direction of non-zero length", "zero"));
         }
-        if !is_finite(&joint.origin) || !is_finite(&joint.after) {
-            return Err(Error::argument(place("origin"), "finite numbers", "NaN or infinity"));
-        }
+        check_measures(&place("origin"), numbers(&joint.origin).chain(numbers(&joint.after)))?;
         let bounded = matches!(joint.kind, JointKind::Revolute | JointKind::Prismatic);
         if bounded && (joint.lower.is_nan() || joint.upper.is_nan()) {
             let got = format!("[{}, {}]", joint.lower, joint.upper);
@@ -209,17 +210,15 @@ fn check_joints(joints: &[Joint]) -> Result<()> {
             let got = format!("lower {} > upper {}", joint.lower, joint.upper);
             return Err(Error::argument(place("limits"), "lower <= upper", got));
         }
-        if let Some(mimic) = &joint.mimic
-            && !(mimic.multiplier.is_finite() && mimic.offset.is_finite())
-        {
-            return Err(Error::argument(place("mimic"), "finite numbers", "NaN or infinity"));
+        if let Some(mimic) = &joint.mimic {
+            check_measures(&place("mimic"), [mimic.multiplier, mimic.offset])?;
         }
     }
     Ok(())
 }
 
-fn is_finite(t: &IsometryMatrix3<f64>) -> bool {
-    t.translation.vector.iter().chain(t.rotation.matrix().iter()).all(|x| x.is_finite())
+fn numbers(t: &IsometryMatrix3<f64>) -> impl Iterator<Item = f64> {
+    t.translation.vector.iter().chain(t.rotation.matrix().iter()).copied()
 }
 
 /// The independent variables, in order of first use along the chain.

@@ -97,6 +97,14 @@ fn square<R: Real>(tolerance: f64) -> R {
     R::splat((tolerance * INSIDE) * (tolerance * INSIDE))
 }
 
+/// An angle without the whole turns that part it from a reference.
+#[inline(always)]
+fn wound<R: Real>(angle: R, reference: R) -> R {
+    use std::f64::consts::TAU;
+    let turns = ((angle - reference) * R::splat(1.0 / TAU)).round();
+    turns.mul_add(R::splat(-TAU), angle)
+}
+
 struct Engine<'p, R: Real, T, const M: usize, const FEEDBACK: bool> {
     plan: &'p Plan<'p>,
     setup: &'p Setup,
@@ -356,7 +364,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             longest = longest.max(dq.abs());
         }
         let scale = (R::splat(self.setup.settings.max_step) / longest).min(R::splat(1.0));
-        let scale = R::select(R::mask_from_bits(moving), scale, R::zero());
+        let mask = R::mask_from_bits(moving);
         let mut slid = R::zero();
         let mut moved = R::zero();
         for ((v, q), dq) in self.limits.iter().zip(&mut self.q).zip(&self.change) {
@@ -369,7 +377,9 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                 to = R::select(to.lt(lower), to + turn, to);
                 to = R::select(upper.lt(to), to - turn, to);
             }
-            to = to.max(lower).min(upper);
+            // A lane at a new start stays there whatever came of the attempt before, even where
+            // that is no number.
+            to = R::select(mask, to.max(lower).min(upper), *q);
             if v.slides {
                 slid = slid.max((to - *q).abs());
             } else {
@@ -378,7 +388,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             *q = to;
         }
         if self.has_continuous {
-            self.wind_back(R::mask_from_bits(moving));
+            self.wind_back(mask);
         }
         for (lane, job) in self.jobs.iter_mut().enumerate() {
             job.steps += moving >> lane & 1;
@@ -392,15 +402,14 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             & !R::bits((squared * R::splat(self.setup.settings.step.stall().powi(2))).lt(way * way))
     }
 
-    /// Takes whole turns off continuous joints, to within half a turn of their reference.
+    /// Takes whole turns off continuous joints of the lanes that moved, to within half a turn
+    /// of their reference. Lanes at a new start are left alone: without company they would not
+    /// have come here.
     #[inline(always)]
-    fn wind_back(&mut self, moving: R::Mask) {
-        use std::f64::consts::TAU;
+    fn wind_back(&mut self, moved: R::Mask) {
         for ((v, q), reference) in self.variables.iter().zip(&mut self.q).zip(&self.reference) {
             if v.kind == JointKind::Continuous {
-                let turns = ((*q - *reference) * R::splat(1.0 / TAU)).round();
-                // Lanes that were put at a start do not move, nor does one alone.
-                *q = R::select(moving, turns.mul_add(R::splat(-TAU), *q), *q);
+                *q = R::select(moved, wound(*q, *reference), *q);
             }
         }
     }

@@ -3,6 +3,7 @@
 use super::Settings;
 use super::plan::{INSIDE, Plan};
 use super::start::range;
+use crate::allowed::is_measure;
 use crate::call::{Answers, Outcome, Request, Solve, Status};
 use crate::chain::JointKind;
 use crate::error::{Error, Result};
@@ -63,7 +64,7 @@ impl<'a> Follow<'a> {
             return Err(Error::argument("pull", "a number, 0 to 1", pull));
         }
         if let Some(q0) = q0
-            && (q0.len() != dof || q0.iter().any(|x| !x.is_finite()) || !chain.within_limits(q0))
+            && (q0.len() != dof || q0.iter().any(|x| !is_measure(*x)) || !chain.within_limits(q0))
         {
             let expected = format!("{dof} finite numbers within the limits");
             return Err(Error::argument("q0", expected, format!("{q0:?}")));
