@@ -117,7 +117,9 @@ def parse_toml(text: str, refuse: Refusal) -> dict[str, Any]:
     for number, line in enumerate(text.splitlines(), start=1):
         bare = _QUOTED.sub("", line).partition("#")[0]
         if any(piece.count(".") >= KEY_PARTS for piece in re.split("[=,]", bare)):
-            raise refuse(f"not a TOML file: a key of more than {KEY_PARTS} parts (at line {number})")
+            raise refuse(
+                f"not a TOML file: a key of more than {KEY_PARTS} parts (at line {number})"
+            )
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

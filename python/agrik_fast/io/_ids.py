@@ -11,6 +11,7 @@ from .._files import Refusal
 
 ID_LETTERS = 1000
 """Longest id. All ids of a chunk are as wide as its longest."""
+_LARGEST = 2**63 - 1
 _LAST = 0x10FFFF
 _SURROGATES = (0xD800, 0xDFFF)
 
@@ -41,7 +42,8 @@ def checked(ids: NDArray[Any], first: int, refuse: Refusal) -> NDArray[Any]:
     """
     if ids.dtype.kind in "iu":
         if ids.dtype.kind == "u":
-            _refuse_first(ids > np.iinfo(np.int64).max, first, "is beyond 2**63 - 1", refuse)
+            beyond: NDArray[np.bool_] = np.asarray(ids) > np.uint64(_LARGEST)
+            _refuse_first(beyond, first, "is beyond 2**63 - 1", refuse)
         return ids.astype(np.int64)
     if ids.dtype.itemsize:
         codes = np.ascontiguousarray(ids).view(np.uint32).reshape(len(ids), -1)

@@ -106,9 +106,7 @@ def _csv(path: Path, refuse: Refusal) -> Read:
         _joints(names, refuse)
         blocks = list(_csv_blocks(names, rows, refuse))
     empty = [{name: _column(name, []) for name in names}]
-    joined = {
-        name: np.concatenate([block[name] for block in blocks or empty]) for name in names
-    }
+    joined = {name: np.concatenate([block[name] for block in blocks or empty]) for name in names}
     return names, joined, {}
 
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from .._checks import FloatArray, float_array, whole_number
 from ..errors import UnknownNameError
-from ._definition import Definition, bundled_names, from_robot_file, locate, read_urdf
+from ._definition import Definition, bundled_names, from_robot_file, locate, naming_file, read_urdf
 from ._dh_rows import CONVENTIONS, DhRow, read_table
 from ._inverse import InverseKinematics
 from ._path import Path
@@ -186,7 +186,9 @@ class Robot(InverseKinematics):
             The text is no URDF, its links are cyclic or disconnected, a link is
             unknown or ambiguous, or no joint moves.
         """
-        return cls(Definition("from_urdf", (read_urdf(path_or_text), base_link, tip_link)))
+        definition = Definition("from_urdf", (read_urdf(path_or_text), base_link, tip_link))
+        with naming_file(path_or_text):
+            return cls(definition)
 
     @staticmethod
     def names() -> tuple[str, ...]:
