@@ -19,7 +19,7 @@ from .errors import AgrikError
 Refusal = Callable[[str], AgrikError]
 """Makes the error of a file from what is wrong with it."""
 
-TEXT_BYTES = 1 << 20
+TEXT_BYTES = 512 << 10
 """Largest TOML or JSON file; those of robots and gains have some thousand bytes."""
 KEY_PARTS = 64
 """Parts of a dotted TOML key, whose reading takes the square of them."""

@@ -162,10 +162,14 @@ class Rows:
         columns = math.prod(self._inner) if header.fortran else 1
         step = header.rows * header.dtype.itemsize
         self._streams: list[IO[bytes]] = []
-        for k in range(columns):
-            stream = open_stream()
-            self._streams.append(stream)
-            stream.seek(header.size + k * step)
+        try:
+            for k in range(columns):
+                stream = open_stream()
+                self._streams.append(stream)
+                stream.seek(header.size + k * step)
+        except BaseException:
+            self.close()
+            raise
 
     def take(self, count: int) -> NDArray[Any]:
         """Return the next rows, in the machine's order of bytes."""
@@ -181,14 +185,15 @@ class Rows:
             rows = rows.reshape(count, *self._inner[::-1]).transpose(0, *reversed(axes))
         return rows.astype(dtype.newbyteorder("="), copy=False)
 
+    def finish(self) -> None:
+        """Come to the end, where an archive compares its checksum."""
+        for stream in self._streams[-1:]:
+            stream.read(1)
+
     def close(self) -> None:
-        """Read to the end, where an archive compares its checksum, and close."""
-        try:
-            if self._streams:
-                self._streams[-1].read(1)
-        finally:
-            for stream in self._streams:
-                stream.close()
+        """Close the streams."""
+        for stream in self._streams:
+            stream.close()
 
 
 class Archive:
@@ -208,12 +213,15 @@ class Archive:
         with reading(refuse, self.WHAT):
             self._zip = zipfile.ZipFile(path)
             entries = self._zip.infolist()
+        self._rows: list[Rows] = []
         self._entries = {entry.filename.removesuffix(".npy"): entry for entry in entries}
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
+        for rows in self._rows:
+            rows.close()
         self._zip.close()
 
     @property
@@ -248,15 +256,18 @@ class Archive:
     def rows(self, name: str, header: Header) -> Rows:
         """Return the rows of an array."""
         with self.reading(name):
-            return Rows(lambda: self._zip.open(self._entries[name]), header)
+            self._rows.append(Rows(lambda: self._zip.open(self._entries[name]), header))
+        return self._rows[-1]
 
     def array(self, name: str) -> NDArray[Any]:
         """Return a whole array."""
         if name not in self._entries:
             raise self._refuse(f"{self.WHAT}: missing '{name}'")
         header = self.header(name)
-        with self.reading(name), contextlib.closing(self.rows(name, header)) as rows:
+        rows = self.rows(name, header)
+        with self.reading(name):
             found = rows.take(header.rows)
+            rows.finish()
             return found.reshape(header.shape)
 
 

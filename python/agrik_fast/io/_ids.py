@@ -42,8 +42,7 @@ def checked(ids: NDArray[Any], first: int, refuse: Refusal) -> NDArray[Any]:
     """
     if ids.dtype.kind in "iu":
         if ids.dtype.kind == "u":
-            beyond: NDArray[np.bool_] = np.asarray(ids) > np.uint64(_LARGEST)
-            _refuse_first(beyond, first, "is beyond 2**63 - 1", refuse)
+            _refuse_first(ids > _LARGEST, first, "is beyond 2**63 - 1", refuse)
         return ids.astype(np.int64)
     if ids.dtype.itemsize:
         codes = np.ascontiguousarray(ids).view(np.uint32).reshape(len(ids), -1)
@@ -53,6 +52,6 @@ def checked(ids: NDArray[Any], first: int, refuse: Refusal) -> NDArray[Any]:
     return ids
 
 
-def _refuse_first(wrong: NDArray[np.bool_], first: int, message: str, refuse: Refusal) -> None:
+def _refuse_first(wrong: Any, first: int, message: str, refuse: Refusal) -> None:
     if wrong.any():
         raise refuse(f"row {first + int(np.argmax(wrong)) + 1}, 'id': {message}")

@@ -130,7 +130,7 @@ class NpzReader(TargetReader):
                 yield self._chunk(first, arrays)
             for key, rows in streams.items():
                 with archive.reading(key):
-                    rows.close()
+                    rows.finish()
 
     def _chunk(self, first: int, arrays: dict[str, NDArray[Any]]) -> TargetChunk:
         ids = arrays.pop("id", None)
