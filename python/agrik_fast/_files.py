@@ -72,7 +72,8 @@ def reading(refuse: Refusal, what: str) -> Iterator[None]:
     """
     try:
         yield
-    except AgrikError:
+    except (AgrikError, AssertionError, AttributeError, NameError):
+        # The last three are faults of this program, not of a file.
         raise
     except MemoryError as error:
         raise refuse("needs more memory than there is") from error

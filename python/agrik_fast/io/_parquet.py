@@ -18,6 +18,7 @@ def import_pyarrow(refuse: Refusal) -> Any:
     """Return the pyarrow module, or a one-line error that says how to get it."""
     try:
         import pyarrow
+        import pyarrow.compute
     except ImportError as error:
         reason = "Parquet files need pyarrow: pip install 'agrik-fast[parquet]'"
         raise refuse(reason) from error
