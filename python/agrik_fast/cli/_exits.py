@@ -200,9 +200,12 @@ def run(command: Callable[[], None]) -> None:
     open_streams()
     status: str | int | None = None
     try:
-        command()
+        with telling():
+            command()
     except SystemExit as leaving:
         status = leaving.code
+    except typer.Exit as leaving:
+        status = leaving.exit_code
     try:
         with telling():
             pass

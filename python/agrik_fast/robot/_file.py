@@ -31,7 +31,7 @@ __all__ = ["DhTable", "JointTable", "MimicTable", "RobotFile", "TransformTable",
 _Triple = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 _JointType = Literal["revolute", "continuous", "prismatic", "fixed"]
 _Name = Annotated[str, Field(min_length=1, max_length=1000)]
-# Rows of a robot: some checks take the square of them. The core has the same limit for URDFs.
+# Rows of a robot: some checks take the square of them.
 _ROWS = 1000
 _T = TypeVar("_T")
 

@@ -82,10 +82,10 @@ def prepare(path: Path, progress: Progress, bounds: Bounds, resume: bool) -> Flo
     counts = _array(stored, "counts", (3,), "i", refuse)
     leg, evaluations, solved = (int(count) for count in counts)
     cost = float(_array(stored, "cost", (), "f", refuse))
-    gains = _gains(stored, bounds, refuse, ended=leg > 0)
     if not 0 <= leg < len(bounds.evaluations):
         most = len(bounds.evaluations) - 1
         raise refuse(f"'counts': {leg} ended searches, expected 0 to {most}")
+    gains = _gains(stored, bounds, refuse, ended=leg > 0)
     low, high = bounds.evaluations[leg]
     if not low <= evaluations <= high:
         raise refuse(f"'counts': {evaluations} gain sets judged, expected {low} to {high}")

@@ -4,7 +4,7 @@
 /// Bytes of a text.
 pub(super) const TEXT: usize = 16 << 20;
 /// Joints between base and tip.
-pub(super) const PATH: usize = 1000;
+pub(super) const PATH: usize = 4000;
 /// Joints that follow each other in a row.
 pub(super) const FOLLOWERS: usize = 100;
 /// Attributes of an element.
