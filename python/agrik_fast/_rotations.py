@@ -16,7 +16,9 @@ from ._checks import FloatArray
 # farther off is no rotation, and its row becomes NaN so that it ends as bad_input.
 QUATERNION_LENGTH_TOLERANCE = 1e-3
 # Entries of R^T R - I: loose enough for float32 files, tight enough to catch scale or shear.
-RIGID_TOLERANCE = 1e-5
+# The compiled core refuses by the same number and the same operations, so that what passes
+# here passes there.
+RIGID_TOLERANCE = 1e-6
 # Poses checked at a time; their entries and what is made of them stay in a core's cache.
 ROWS_IN_CACHE = 4096
 
@@ -163,7 +165,7 @@ def _are_rigid(pose: FloatArray) -> NDArray[np.bool_]:
     with np.errstate(invalid="ignore", over="ignore"):
         rigid = _right_handed_orthonormal(x, y, z)
         for k in range(12, 16):
-            rigid &= np.abs(entries[k] - (k == 15)) <= RIGID_TOLERANCE
+            rigid &= entries[k] == (k == 15)
     rigid &= np.isfinite(entries[3:12:4]).all(axis=0)
     return rigid
 

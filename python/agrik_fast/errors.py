@@ -182,6 +182,10 @@ class UnknownNameError(ArgumentError):
         return type(self), (self.kind, self.name, self.known)
 
 
+# Faults that a message names.
+_TOLD = 100
+
+
 class Fault(NamedTuple):
     """One fault of a robot file.
 
@@ -226,7 +230,8 @@ class RobotFileError(AgrikError, ValueError):
         self.faults = tuple(Fault(place, message) for place, message in faults)
         count = len(self.faults)
         head = f"{file}: {count} fault{'' if count == 1 else 's'}"
-        super().__init__("\n".join([head, *(f"  {fault}" for fault in self.faults)]))
+        more = [f"  and {count - _TOLD} more"] if count > _TOLD else []
+        super().__init__("\n".join([head, *(f"  {fault}" for fault in self.faults[:_TOLD]), *more]))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.file, self.faults)

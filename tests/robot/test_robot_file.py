@@ -234,7 +234,7 @@ def test_a_chain_of_fixed_joints_is_refused() -> None:
 
 def test_text_that_is_not_toml_is_a_fault_with_its_line() -> None:
     assert "line 2" in faults('format = 1\nname = "x\n')[""]
-    with pytest.raises(RobotFileError, match="not a TOML file"):
+    with pytest.raises(RobotFileError, match="line 1: is not UTF-8 text"):
         parse(b"\xff\xfe", "arm.toml")
 
 

@@ -6,11 +6,7 @@ load inside the command that needs them.
 
 from __future__ import annotations
 
-import contextlib
-import signal
 import sys
-import threading
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,11 +14,7 @@ import typer
 from typer.core import TyperCommand
 
 from ..papers import PAPERS
-
-EXIT_BAD_ARGUMENTS = 2
-EXIT_NOT_ALL_SOLVED = 3
-EXIT_INTERRUPTED = 130  # the shell's 128 + SIGINT
-EXIT_TERMINATED = 143  # 128 + SIGTERM
+from ._exits import NOT_ALL_SOLVED, exit_codes, run, say, telling
 
 app = typer.Typer(
     name="agrik-fast",
@@ -36,52 +28,7 @@ app = typer.Typer(
 
 def main() -> None:
     """Run the command line and exit with its status."""
-    app(prog_name="agrik-fast")
-
-
-class _Terminated(BaseException):
-    """The process was asked to end (SIGTERM)."""
-
-
-@contextlib.contextmanager
-def _termination_as_exception() -> Iterator[None]:
-    """Let SIGTERM unwind the program as Ctrl-C does, so that half a result is removed."""
-
-    def end(number: int, frame: object) -> None:
-        # A second signal must not interrupt the cleaning up.
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)
-        raise _Terminated
-
-    if threading.current_thread() is not threading.main_thread():
-        yield  # only the main thread may set handlers, and only it is interrupted
-        return
-    before = signal.signal(signal.SIGTERM, end)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, signal.SIG_DFL if before is None else before)
-
-
-@contextlib.contextmanager
-def _exit_codes() -> Iterator[None]:
-    """Turn expected errors and signals into one line on stderr and an exit code."""
-    try:
-        with _termination_as_exception():
-            yield
-    except _Terminated:
-        typer.echo("agrik-fast: terminated, nothing was written", err=True)
-        raise typer.Exit(EXIT_TERMINATED) from None
-    except KeyboardInterrupt:
-        typer.echo("agrik-fast: interrupted, nothing was written", err=True)
-        raise typer.Exit(EXIT_INTERRUPTED) from None
-    except Exception as error:
-        from ..errors import AgrikError
-
-        if not isinstance(error, AgrikError | OSError):
-            raise
-        line = "; ".join(part.strip() for part in str(error).splitlines() if part.strip())
-        typer.echo(f"agrik-fast: {line}", err=True)
-        raise typer.Exit(EXIT_BAD_ARGUMENTS) from None
+    run(lambda: app(prog_name="agrik-fast"))
 
 
 def _show_version(wanted: bool) -> None:
@@ -155,12 +102,12 @@ def solve(
 
     Lengths are metres and angles radians unless a column says otherwise (x_mm, roll_deg).
     Exit status: 0 every row was processed, 2 bad arguments or files, 3 some rows are not
-    solved (with --strict), 130 interrupted, 143 terminated. The result appears only when it
-    is complete.
+    solved (with --strict), 4 out of memory, 5 done but standard output is full, 129 hung up,
+    130 interrupted, 143 terminated. The result appears only when it is complete.
     """
-    with _exit_codes():
+    with exit_codes() as kept:
         from ..jobs import SolveRequest
-        from ._solve import parse_axis, run
+        from ._solve import parse_axis, solve_words
         from .progress import for_stream
         from .summary import print_summaries
 
@@ -178,11 +125,13 @@ def solve(
             threads=threads,
             force=force,
         )
-        summary = run(request, for_stream(sys.stderr))
-        print_summaries([summary], sys.stdout)
-        typer.echo(f"results: {output}")
+        summary = solve_words(request, for_stream(sys.stderr))
+        kept.what = lambda: f"results: {output}"
+        with telling(f"results: {output}"):
+            print_summaries([summary], sys.stdout)
+            typer.echo(f"results: {output}")
     if strict and summary.solved < summary.rows:
-        raise typer.Exit(EXIT_NOT_ALL_SOLVED)
+        raise typer.Exit(NOT_ALL_SOLVED)
 
 
 @app.command()
@@ -193,10 +142,12 @@ def info(
     ] = None,
 ) -> None:
     """Print a robot's joints, limits, reach, DH rows and source."""
-    with _exit_codes():
+    with exit_codes():
         from ._info import describe, list_robots
 
-        typer.echo(list_robots() if robot is None else describe(robot))
+        text = list_robots() if robot is None else describe(robot)
+        with telling():
+            typer.echo(text)
 
 
 @app.command()
@@ -238,11 +189,12 @@ def tune(
 ) -> None:
     """Find the gains of a feedback solver and write them with how well they do.
 
-    A checkpoint beside the output keeps the search, every few seconds, until it is done.
+    A checkpoint beside the output keeps the search, every few seconds, until the gains are
+    written.
     """
-    with _exit_codes():
+    with exit_codes() as kept:
         from ..tuning import Tuning
-        from ._tune import tune_to_file
+        from ._tune import tune_to_file, what_is_kept
 
         given = {
             "method": method,
@@ -260,14 +212,17 @@ def tune(
             threads=threads,
             **{name: value for name, value in given.items() if value is not None},
         )
+        kept.what = lambda: what_is_kept(output)
         content = tune_to_file(robot, tuning, output, force=force, resume=resume)
+        kept.what = lambda: f"gains: {output}"
         success = content.success
-        if success is not None:
-            typer.echo(
-                f"{success.solved} of {success.goals} goals kept apart are reached "
-                f"(training: {content.training.solved} of {content.training.goals})"
-            )
-        typer.echo(f"gains: {output}")
+        with telling(f"gains: {output}"):
+            if success is not None:
+                typer.echo(
+                    f"{success.solved} of {success.goals} goals kept apart are reached "
+                    f"(training: {content.training.solved} of {content.training.goals})"
+                )
+            typer.echo(f"gains: {output}")
 
 
 @app.command()
@@ -284,11 +239,14 @@ def paper(
 
     Published values, where there are any, stand beside ours. Needs the extra `papers`.
     """
-    with _exit_codes():
+    with exit_codes() as kept:
         from ._paper import reproduce
 
         def report(line: str) -> None:
-            typer.echo(f"{name}: {line}", err=True)
+            say(f"{name}: {line}")
 
-        for file in reproduce(name, output, report, force=force):
-            typer.echo(str(file))
+        kept.what = lambda: f"files that were finished are in {output}"
+        files = reproduce(name, output, report, force=force)
+        with telling(f"files: {output}"):
+            for file in files:
+                typer.echo(str(file))

@@ -40,7 +40,7 @@ def parse_axis(option: str, text: str) -> tuple[float, float, float]:
     return (x, y, z)
 
 
-def run(request: SolveRequest, progress: Progress) -> Summary:
+def solve_words(request: SolveRequest, progress: Progress) -> Summary:
     """Solve a file; an error names the option that its cause was given by."""
     try:
         return solve_file(request, progress)

@@ -6,13 +6,18 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TextIO
 
+import typer
+
+from .._atomic import AtomicFile
 from ..errors import ArgumentError, GainFileError
 from ..robot import Robot
-from ..solvers.gain_file import GainFile, write
+from ..solvers.gain_file import GainFile, text, write
 from ..tuning import Report, Tuning, tune
+from ._exits import telling, write_line
 from .progress import PLAIN_INTERVAL_S, Bar
 
 __all__ = ["tune_to_file"]
@@ -36,11 +41,11 @@ class _Lines:
         self._next = now + PLAIN_INTERVAL_S
         done = report.evaluations - self._first
         left = (report.wanted - report.evaluations) * (now - self._begin) / max(done, 1)
-        text = f"{report.evaluations} of {report.wanted} gain sets, cost {report.cost:.4f}"
+        line = f"{report.evaluations} of {report.wanted} gain sets, cost {report.cost:.4f}"
         # The first generation tells how far the run is, not yet how fast it goes.
         if done:
-            text += f", {max(left, 0.0):.0f} s left"
-        print(text, file=self._stream, flush=True)
+            line += f", {max(left, 0.0):.0f} s left"
+        write_line(self._stream, line + (f"; {report.unsaved}" if report.unsaved else ""))
 
 
 @contextmanager
@@ -55,7 +60,8 @@ def reporting(stream: TextIO) -> Iterator[Callable[[Report], None]]:
         def show(report: Report) -> None:
             nonlocal shown
             # A generation is judged as a whole, so the last one may bring more than was asked.
-            bar.start(f"gain sets, cost {report.cost:.4f}", report.wanted)
+            unsaved = " (checkpoint not written)" if report.unsaved else ""
+            bar.start(f"gain sets, cost {report.cost:.4f}{unsaved}", report.wanted)
             bar.advance(report.evaluations - shown)
             shown = report.evaluations
 
@@ -65,16 +71,46 @@ def reporting(stream: TextIO) -> Iterator[Callable[[Report], None]]:
 def tune_to_file(
     robot: str, tuning: Tuning, output: Path, *, force: bool, resume: bool
 ) -> GainFile:
-    """Tune and write the gain file; returns its content."""
+    """Tune and write the gain file; returns its content.
+
+    Raises
+    ------
+    AgrikError
+        Bad arguments, files that cannot be written or resumed. A search that has ended is then
+        in its checkpoint, or on standard output where that cannot be written either.
+    """
     if output.suffix not in (".toml", ".json"):
         raise ArgumentError("output", str(output), "a name that ends in .toml or .json")
-    if output.exists() and not force:
-        raise GainFileError(str(output), "exists already (use --force to replace it)")
     if not output.parent.is_dir():
         raise ArgumentError("output", str(output), "a name in a folder that exists")
-    checkpoint = output.with_name(f"{output.name}.checkpoint.npz")
+    # Before the search, not hours later.
+    AtomicFile(output, partial(GainFileError, str(output)), force=force).discard()
+    checkpoint = checkpoint_of(output)
     arm = Robot.load(robot)
+
+    def store(content: GainFile) -> None:
+        try:
+            write(output, content, force=force)
+        except GainFileError as error:
+            if checkpoint.exists():
+                raise GainFileError(error.file, f"{error.reason}; {what_is_kept(output)}") from None
+            with telling():
+                typer.echo(text(output, content))
+            reason = f"{error.reason}; its text is on standard output"
+            raise GainFileError(error.file, reason) from None
+
     with reporting(sys.stderr) as report:
-        content = tune(arm, tuning, checkpoint=checkpoint, resume=resume, report=report)
-    write(output, content)
-    return content
+        return tune(arm, tuning, checkpoint=checkpoint, resume=resume, report=report, store=store)
+
+
+def checkpoint_of(output: Path) -> Path:
+    """Return the name of the checkpoint of a gain file."""
+    return output.with_name(f"{output.name}.checkpoint.npz")
+
+
+def what_is_kept(output: Path) -> str:
+    """Return what is left of a search that was cut off, in words."""
+    checkpoint = checkpoint_of(output)
+    if checkpoint.exists():
+        return f"the search is kept in {checkpoint} (--resume goes on with it)"
+    return "nothing was written"

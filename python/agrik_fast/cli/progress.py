@@ -7,6 +7,7 @@ from types import TracebackType
 from typing import Self, TextIO
 
 from ..jobs import Progress, Silent
+from ._exits import write_line
 
 PLAIN_INTERVAL_S = 2.0
 
@@ -28,7 +29,7 @@ class Plain(Silent):
 
     def note(self, text: str) -> None:
         """Print a line."""
-        print(text, file=self._stream, flush=True)
+        write_line(self._stream, text)
 
     def advance(self, rows: int) -> None:
         """Print the count if the last line is a while ago."""

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _rotations
+from .._files import listing, shown
 
 Array = NDArray[np.float64]
 Orientation = Literal["quaternion", "zyz", "rpy"]
@@ -109,12 +110,12 @@ def match_columns(names: Sequence[str]) -> TargetColumns:
     """
     doubled = [name for name, count in Counter(names).items() if count > 1]
     if doubled:
-        raise ColumnError(f"column '{doubled[0]}' appears twice")
+        raise ColumnError(f"column {shown(doubled[0])} appears twice")
     if len(names) == 1 and ";" in names[0]:
         raise ColumnError("columns are separated by ';', expected ','")
     position, position_unit = _group(names, ("x", "y", "z"), UNITS_PER_METRE, "position")
     if position is None:
-        found = ", ".join(names) or "nothing"
+        found = listing(names) or "nothing"
         raise ColumnError(f"missing column 'x_m'; {EXPECTED}; found {found}")
     orientation, columns, scale = _orientation(names)
     row_id = "id" if "id" in names else None

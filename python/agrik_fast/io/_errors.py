@@ -35,8 +35,3 @@ class TargetFileError(DataFileError):
 
 class ResultFileError(DataFileError):
     """A result file exists already, cannot be written or is of an unknown kind."""
-
-
-def os_reason(error: OSError) -> str:
-    """Return the operating system's reason in lower case, without errno and path."""
-    return (error.strerror or str(error)).lower()

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
-from numpy.lib import format as npy_format
 from numpy.typing import NDArray
 
+from .._npy import header_bytes
 from ._records import STATUS_NAMES, ResultChunk, ResultLayout
 from ._writer import ResultWriter
 
@@ -48,9 +48,8 @@ def records(layout: ResultLayout, chunk: ResultChunk) -> NDArray[Any]:
 class NpyWriter(ResultWriter):
     """A structured array, row by row on the disk.
 
-    The header is written for no rows first and again when their number is known: NumPy pads
-    it so that the first axis can grow in place. Text ids have no common width until all are
-    known, so such rows are gathered.
+    The header is written for no rows first and again, at the same length, when their number
+    is known. Text ids have no common width until all are known, so such rows are gathered.
     """
 
     def __init__(self, path: Path, layout: ResultLayout, *, force: bool) -> None:
@@ -60,15 +59,9 @@ class NpyWriter(ResultWriter):
         self._dtype = record_dtype(layout, np.dtype(np.int64))
         if not layout.text_ids:
             self._header(0)
-            self._body = self._file.stream.tell()
 
     def _header(self, count: int) -> None:
-        header = {
-            "descr": npy_format.dtype_to_descr(self._dtype),
-            "fortran_order": False,
-            "shape": (count,),
-        }
-        npy_format.write_array_header_2_0(self._file.stream, header)
+        self._file.stream.write(header_bytes(self._dtype, count))
 
     def _write(self, chunk: ResultChunk) -> None:
         rows = records(self.layout, chunk)
@@ -82,12 +75,11 @@ class NpyWriter(ResultWriter):
     def _finish(self) -> None:
         if self.layout.text_ids:
             rows = np.concatenate(self._gathered)
-            npy_format.write_array(self._file.stream, rows, allow_pickle=False)
+            self._file.stream.write(header_bytes(rows.dtype, len(rows)))
+            self._file.stream.write(rows.view(np.uint8).data)
             return
         self._file.stream.seek(0)
         self._header(self._count)
-        if self._file.stream.tell() != self._body:
-            raise AssertionError("NumPy's header is padded for growth of the first axis")
         self._file.stream.seek(0, 2)
 
 

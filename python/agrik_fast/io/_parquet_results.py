@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import Any
 
@@ -68,5 +69,7 @@ class ParquetWriter(ResultWriter):
 
     def discard(self) -> None:
         """Give up: nothing appears at the destination."""
-        self._writer.close()
+        # Closing writes a footer, which the disk may refuse as well.
+        with contextlib.suppress(OSError):
+            self._writer.close()
         super().discard()

@@ -12,6 +12,13 @@ from ._records import TargetChunk
 
 DEFAULT_CHUNK = 65_536
 """Rows of a chunk."""
+CHUNK_BYTES = 32 << 20
+"""About how many bytes a chunk takes at most: of wide rows there are fewer."""
+
+
+def rows_within(size: int, row_bytes: int) -> int:
+    """Return how many rows a chunk of at most `size` has."""
+    return max(1, min(size, CHUNK_BYTES // max(row_bytes, 1)))
 
 
 class TargetReader(abc.ABC):

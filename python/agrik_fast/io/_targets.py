@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ._errors import TargetFileError, os_reason
+from .._files import os_reason
+from ._errors import TargetFileError
 from ._reader import TargetReader
 
 TARGET_SUFFIXES = (".csv", ".npy", ".npz", ".parquet")
@@ -28,7 +29,10 @@ def read_targets(path: Path | str) -> TargetReader:
     * ``.npy``: (n, 3) points in m, or (n, 4, 4) poses in m.
     * ``.npz``: ``T`` (n, 4, 4) in m; or ``position_m`` (or ``position_cm``, ``position_mm``)
       (n, 3) with at most one of ``quaternion_xyzw`` (n, 4), ``zyz_rad``, ``zyz_deg``,
-      ``rpy_rad``, ``rpy_deg`` (n, 3); optionally ``id`` (n,).
+      ``rpy_rad``, ``rpy_deg`` (n, 3); optionally ``id`` (n,). Entries are stored or deflated.
+
+    Refused are ids of more than 1000 letters, CSV rows of more than 1 MiB, and arrays and
+    columns that unpack to more than 64 MiB and 500 times their size in the file.
 
     Parameters
     ----------
@@ -51,6 +55,9 @@ def read_targets(path: Path | str) -> TargetReader:
         raise TargetFileError(path, f"unknown suffix '{path.suffix}', expected one of {kinds}")
     if path.is_dir():
         raise TargetFileError(path, "is a folder, expected a file")
+    if path.exists() and not path.is_file():
+        # It is opened more than once, which a pipe cannot be.
+        raise TargetFileError(path, "is no regular file")
     try:
         empty = path.stat().st_size == 0
     except OSError as error:
@@ -72,6 +79,6 @@ def _open(path: Path, suffix: str) -> TargetReader:
         from ._parquet_targets import ParquetReader
 
         return ParquetReader(path)
-    from ._numpy_targets import NpyReader, open_npz
+    from ._numpy_targets import NpyReader, NpzReader
 
-    return NpyReader(path) if suffix == ".npy" else open_npz(path)
+    return NpyReader(path) if suffix == ".npy" else NpzReader(path)

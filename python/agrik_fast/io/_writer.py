@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import abc
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from ._atomic import AtomicFile
-from ._errors import ResultFileError, os_reason
+from .._atomic import AtomicFile
+from .._files import os_reason
+from ._errors import ResultFileError
 from ._records import ResultChunk, ResultLayout
 
 
@@ -22,7 +24,7 @@ class ResultWriter(abc.ABC):
     def __init__(self, path: Path, layout: ResultLayout, *, force: bool) -> None:
         self.path = path
         self.layout = layout
-        self._file = AtomicFile(path, force=force)
+        self._file = AtomicFile(path, partial(ResultFileError, path), force=force)
 
     def write(self, chunk: ResultChunk) -> None:
         """Append a chunk.

@@ -28,8 +28,10 @@ from ._pipeline import Pipeline, Solve
 from ._progress import Progress, Silent
 from ._summary import Summary
 
-# Rows that are written in one go; a Parquet file gets a row group of them.
+# Rows that are written in one go, fewer where ids are long; a Parquet file gets a row group
+# of them.
 WRITE_ROWS = 65_536
+WRITE_ID_BYTES = 32 << 20
 Vector = tuple[float, float, float]
 TASKS = ("position", "pose", "axis")
 
@@ -152,6 +154,9 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
             for piece in pieces:
                 summary.add(piece)
                 progress.advance(len(piece))
+                if waiting and _id_bytes([*waiting, piece]) > WRITE_ID_BYTES:
+                    writer.write(_joined(waiting))
+                    waiting.clear()
                 waiting.append(piece)
                 if sum(map(len, waiting)) >= WRITE_ROWS:
                     writer.write(_joined(waiting))
@@ -199,6 +204,11 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
 
 def _words(vector: Vector) -> str:
     return ",".join(map(repr, vector))
+
+
+def _id_bytes(pieces: list[ResultChunk]) -> int:
+    """Return the bytes of the pieces' ids once they are joined, all as wide as the widest."""
+    return sum(map(len, pieces)) * max(piece.ids.dtype.itemsize for piece in pieces)
 
 
 def _joined(pieces: list[ResultChunk]) -> ResultChunk:

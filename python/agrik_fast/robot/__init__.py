@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks import FloatArray, float_array, text, whole_number, word
-from ._definition import Definition, bundled_names, from_robot_file, locate, read_urdf
+from ._definition import Definition, bundled_names, from_robot_file, locate, naming_file, read_urdf
 from ._dh_rows import CONVENTIONS, DhRow, read_table
 from ._inverse import InverseKinematics
 from ._path import Path
@@ -188,7 +188,9 @@ class Robot(InverseKinematics):
         for argument, link in (("base_link", base_link), ("tip_link", tip_link)):
             if link is not None:
                 text(argument, link)
-        return cls(Definition("from_urdf", (read_urdf(path_or_text), base_link, tip_link)))
+        definition = Definition("from_urdf", (read_urdf(path_or_text), base_link, tip_link))
+        with naming_file(path_or_text):
+            return cls(definition)
 
     @staticmethod
     def names() -> tuple[str, ...]:

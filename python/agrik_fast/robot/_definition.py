@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import contextlib
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 
 from .. import _native
 from .._checks import FloatArray
+from .._files import decode, read_bytes
 from ..errors import ArgumentError, UnknownNameError, UrdfError
 from ._dh_rows import DhRow, DhTable
 
@@ -20,6 +22,8 @@ if TYPE_CHECKING:
     from ._file import RobotFile
 
 ROBOTS = Path(__file__).resolve().parent / "bundled"
+# The core has the same limit for texts.
+_URDF_BYTES = 16 << 20
 _SUFFIXES = (".toml", ".urdf", ".xml")
 
 
@@ -92,10 +96,23 @@ def read_urdf(path_or_text: str | PathLike[str]) -> str:
     if not path.is_file():
         expected = "the path of an existing URDF, or its text"
         raise ArgumentError("path_or_text", f"{text!r}, which is no file", expected)
+
+    def refuse(reason: str) -> UrdfError:
+        return UrdfError(f"{path.name}: {reason}")
+
+    return decode(read_bytes(path, refuse, _URDF_BYTES), refuse)
+
+
+@contextlib.contextmanager
+def naming_file(path_or_text: str | PathLike[str]) -> Iterator[None]:
+    """Put the name of the file, if there is one, before what is wrong with its URDF."""
     try:
-        return path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise UrdfError(f"{path.name} is not UTF-8 text: {error}") from None
+        yield
+    except UrdfError as error:
+        text = fspath(path_or_text)
+        if "<" in text:
+            raise
+        raise UrdfError(f"{Path(text).name}: {error}") from None
 
 
 def from_robot_file(path: Path) -> Definition:

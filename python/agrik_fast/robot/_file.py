@@ -13,7 +13,6 @@ tables, so that a wrong type in one row does not hide a fault in another.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
@@ -23,14 +22,17 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from .. import _rotations
+from .._files import decode, listing, parse_toml, read_bytes, shown
 from ..errors import Fault, RobotFileError, nearest_names
-from ._file_checks import combined_faults, quantity
+from ._file_checks import NAMED_FAULTS, combined_faults, quantity
 
 __all__ = ["DhTable", "JointTable", "MimicTable", "RobotFile", "TransformTable", "read"]
 
 _Triple = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 _JointType = Literal["revolute", "continuous", "prismatic", "fixed"]
-_Name = Annotated[str, Field(min_length=1)]
+_Name = Annotated[str, Field(min_length=1, max_length=1000)]
+# Rows of a robot: some checks take the square of them.
+_ROWS = 1000
 _T = TypeVar("_T")
 
 
@@ -210,9 +212,9 @@ class RobotFile(_Table):
     """Tool in the last link's frame."""
     frames: dict[str, TransformTable] = {}
     """Further frames: each transform leads from poses of this file to that frame."""
-    dh: list[DhTable] = []
+    dh: Annotated[list[DhTable], Field(max_length=_ROWS)] = []
     """Denavit-Hartenberg rows, from base to tool."""
-    joint: list[JointTable] = []
+    joint: Annotated[list[JointTable], Field(max_length=_ROWS)] = []
     """Joint rows, from base to tool."""
 
 
@@ -232,31 +234,34 @@ def read(path: Path) -> RobotFile:
     Raises
     ------
     RobotFileError
-        With every fault of the file and its place.
-    OSError
-        The file cannot be read.
+        With every fault of the file and its place; also if it cannot be read.
     """
-    return parse(path.read_bytes(), path.name)
+
+    def refuse(reason: str) -> RobotFileError:
+        return RobotFileError(path.name, [("", reason)])
+
+    return parse(read_bytes(path, refuse), path.name)
 
 
 def parse(data: bytes, name: str) -> RobotFile:
     """Check the content of a robot file; `name` is used in messages only."""
-    try:
-        raw = tomllib.loads(data.decode())
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise RobotFileError(name, [("", f"not a TOML file: {error}")]) from None
+
+    def refuse(reason: str) -> RobotFileError:
+        return RobotFileError(name, [("", reason)])
+
+    raw = parse_toml(decode(data, refuse), refuse)
     faults: list[Fault] = []
     result = None
     try:
         result = RobotFile.model_validate(raw)
     except ValidationError as error:
-        faults += [
-            Fault(
-                _place(item["loc"]), _message(item["type"], item["loc"], item["msg"], item["input"])
-            )
-            for item in error.errors(include_url=False)
-        ]
-    faults += combined_faults(raw)
+        for item in error.errors(include_url=False, include_context=False):
+            # The nearest of many names takes a while to find.
+            hint = len(faults) < NAMED_FAULTS
+            message = _message(item["type"], item["loc"], item["msg"], item["input"], hint=hint)
+            faults.append(Fault(_place(item["loc"]), message))
+    if not any(isinstance(raw.get(rows), list) and len(raw[rows]) > _ROWS for rows in _ROW_TABLES):
+        faults += combined_faults(raw)
     if faults or result is None:
         raise RobotFileError(name, faults)
     return result
@@ -271,10 +276,13 @@ def _place(loc: tuple[int | str, ...]) -> str:
         place, keys = f"[{loc[0]}]", loc[1:]
     else:
         place, keys = "", loc
-    key = ".".join(str(k) for k in keys if isinstance(k, str))
+    key = listing([".".join(str(k) for k in keys if isinstance(k, str))])
     return ", ".join(part for part in (place, key) if part)
 
 
+_ROW_TABLES = ("dh", "joint")
+# Letters of a key that others are compared with.
+_COMPARED = 60
 _TABLES: dict[str, type[_Table]] = {
     "base": TransformTable,
     "tool": TransformTable,
@@ -285,7 +293,9 @@ _TABLES: dict[str, type[_Table]] = {
 }
 
 
-def _message(kind: str, loc: tuple[int | str, ...], message: str, value: object) -> str:
+def _message(
+    kind: str, loc: tuple[int | str, ...], message: str, value: object, *, hint: bool
+) -> str:
     if kind == "missing":
         return "missing"
     if kind == "extra_forbidden":
@@ -293,10 +303,13 @@ def _message(kind: str, loc: tuple[int | str, ...], message: str, value: object)
         if "mimic" in loc[:-1]:
             table = MimicTable
         known = list(table.model_fields)
-        near = nearest_names(str(loc[-1]), known)
-        hint = f"; did you mean {near[0]!r}?" if near else f"; known: {', '.join(known)}"
-        return f"unknown key{hint}"
-    return f"{message[0].lower()}{message[1:]}, got {value!r}"
+        near = nearest_names(str(loc[-1])[:_COMPARED], known) if hint else ()
+        if near:
+            return f"unknown key; did you mean {near[0]!r}?"
+        return f"unknown key; known: {', '.join(known)}" if hint else "unknown key"
+    if kind == "too_long" and loc[-1] in _ROW_TABLES:
+        return f"expected at most {_ROWS} rows, got {len(value) if isinstance(value, list) else 0}"
+    return f"{message[0].lower()}{message[1:]}, got {shown(value)}"
 
 
 def _or(value: _T | None, default: _T) -> _T:

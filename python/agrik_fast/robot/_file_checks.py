@@ -11,10 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from .._files import listing, shown
 from ..errors import Fault, nearest_names
 
 _TO_SI = {"m": 1.0, "mm": 1e-3, "rad": 1.0, "deg": math.pi / 180.0}
 _LENGTH, _ANGLE = ("m", "mm"), ("rad", "deg")
+
+NAMED_FAULTS = 20
+"""Faults that are told with the name that was perhaps meant."""
 
 # How far a rotation matrix in a file may be from orthonormal: nine printed digits.
 _ORTHONORMAL = 1e-8
@@ -32,6 +36,10 @@ def quantity(table: Mapping[str, Any], stem: str) -> Any:
 
 
 def _to_si(value: float, unit: str, factor: float) -> float:
+    try:
+        value = float(value)
+    except OverflowError:
+        return math.inf
     # math.radians and a division by 1000 round once; a factor would round twice.
     if unit == "deg":
         return math.radians(value)
@@ -132,7 +140,7 @@ def _number(table: Mapping[str, Any], stem: str) -> float | None:
 def _array(value: Any, shape: tuple[int, ...]) -> np.ndarray[Any, np.dtype[np.float64]] | None:
     try:
         array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return None
     return array if array.shape == shape and np.isfinite(array).all() else None
 
@@ -147,8 +155,9 @@ def _transform_faults(place: str, table: Mapping[str, Any]) -> Iterator[Fault]:
     rotation = _array(table["rotation"], (3, 3))
     if rotation is None:
         return
-    off = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
-    if off > _ORTHONORMAL:
+    with np.errstate(over="ignore", invalid="ignore"):
+        off = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
+    if not off <= _ORTHONORMAL:
         yield Fault(
             f"{place}, rotation",
             f"expected orthonormal rows (to {_ORTHONORMAL:g}), got rows off by {off:.3g}",
@@ -180,7 +189,7 @@ def _mark_faults(place: str, table: Mapping[str, Any], marks: Any) -> Iterator[F
         if mark is not None and not (isinstance(marks, dict) and mark in marks):
             yield Fault(
                 f"{place}, provenance.{key}",
-                f"mark {mark!r} is not explained in [provenance]",
+                f"mark {shown(mark)} is not explained in [provenance]",
             )
 
 
@@ -190,7 +199,8 @@ def _name_faults(kind: str, rows: Sequence[tuple[int, Mapping[str, Any]]]) -> It
         name = row.get("name")
         if isinstance(name, str) and first.setdefault(name, index) != index:
             yield Fault(
-                f"[[{kind}]] row {index}, name", f"{name!r} is the name of row {first[name]} too"
+                f"[[{kind}]] row {index}, name",
+                f"{shown(name)} is the name of row {first[name]} too",
             )
     if rows and all(row.get("type") == "fixed" for _, row in rows):
         yield Fault(f"[[{kind}]]", "expected at least one joint that moves, got fixed joints only")
@@ -198,6 +208,7 @@ def _name_faults(kind: str, rows: Sequence[tuple[int, Mapping[str, Any]]]) -> It
 
 def _mimic_faults(rows: Sequence[tuple[int, Mapping[str, Any]]]) -> Iterator[Fault]:
     by_name = {row["name"]: row for _, row in rows if isinstance(row.get("name"), str)}
+    unknown = 0
     for index, row in rows:
         mimic = row.get("mimic")
         if not isinstance(mimic, dict):
@@ -215,13 +226,14 @@ def _mimic_faults(rows: Sequence[tuple[int, Mapping[str, Any]]]) -> Iterator[Fau
         if not isinstance(source, str):
             continue
         if source not in by_name:
-            near = nearest_names(source, by_name)
-            hint = f"; did you mean {near[0]!r}?" if near else ""
-            yield Fault(f"{place}.joint", f"no joint is named {source!r}{hint}")
+            unknown += 1
+            near = nearest_names(source[:60], by_name) if unknown <= NAMED_FAULTS else ()
+            hint = f"; did you mean {shown(near[0])}?" if near else ""
+            yield Fault(f"{place}.joint", f"no joint is named {shown(source)}{hint}")
         elif "mimic" in by_name[source] or by_name[source].get("type") == "fixed":
             yield Fault(
                 f"{place}.joint",
-                f"expected a moving joint that follows no other, got {source!r}",
+                f"expected a moving joint that follows no other, got {shown(source)}",
             )
 
 
@@ -232,5 +244,5 @@ def _order_faults(order: Any, rows: Sequence[tuple[int, Mapping[str, Any]]]) -> 
     if not all(isinstance(name, str) for name in (*names, *order)):
         return
     if sorted(order) != sorted(str(name) for name in names):
-        listing = ", ".join(str(name) for name in names)
-        yield Fault("q_order", f"expected each of {listing} once, got {', '.join(order)}")
+        wanted = listing(str(name) for name in names)
+        yield Fault("q_order", f"expected each of {wanted} once, got {listing(order)}")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeVar
@@ -23,14 +23,18 @@ from pydantic import (
     model_validator,
 )
 
+from .._atomic import write_bytes
+from .._files import decode, listing, parse_json, parse_toml, read_bytes
 from ..errors import ArgumentError, GainFileError, UnknownNameError
 from ._feedback import IDENTITY, IkPid, StateSpace, StaticGain
 
-__all__ = ["GainFile", "bundled", "load", "read", "write"]
+__all__ = ["GainFile", "bundled", "load", "read", "text", "write"]
 
 _FOLDER = Path(__file__).parent / "bundled"
 _LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001}
 _ANGLES = {"rad": 1.0, "deg": math.pi / 180}
+# How many faults a message names.
+_FAULTS = 20
 _Row = list[FiniteFloat]
 _Rows = Annotated[list[_Row], Field(min_length=1)]
 _Count = Annotated[int, Field(ge=0)]
@@ -233,19 +237,20 @@ def _read(source: str | PathLike[str]) -> tuple[GainFile, StateSpace | StaticGai
         if name not in bundled():
             raise UnknownNameError("gain set", name, bundled())
         path = _FOLDER / f"{name}.toml"
-    try:
-        text = path.read_text(encoding="utf-8")
-        raw = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
-    except (OSError, ValueError) as error:
-        raise GainFileError(path.name, f"cannot be read: {error}") from None
+    refuse = partial(GainFileError, path.name)
+    parse = parse_json if path.suffix == ".json" else parse_toml
+    raw = parse(decode(read_bytes(path, refuse), refuse), refuse)
     try:
         content = GainFile.model_validate(raw)
         solver = content.make()
     except ValidationError as error:
+        found = error.errors(include_url=False, include_input=False, include_context=False)
         faults = [
-            f"{'.'.join(map(str, item['loc'])) or 'the whole'}: {item['msg'].lower()}"
-            for item in error.errors(include_url=False)
+            f"{listing(['.'.join(map(str, item['loc']))]) or 'the whole'}: {item['msg'].lower()}"
+            for item in found[:_FAULTS]
         ]
+        if len(found) > _FAULTS:
+            faults.append(f"and {len(found) - _FAULTS} more")
         raise GainFileError(path.name, "; ".join(faults)) from None
     except ArgumentError as error:
         raise GainFileError(path.name, str(error)) from None
@@ -264,21 +269,45 @@ def load(source: str | PathLike[str], kind: type[_SolverT]) -> _SolverT:
     return solver
 
 
-def write(path: Path, content: GainFile) -> None:
-    """Write a gain file, TOML or JSON by its suffix.
+def text(path: Path, content: GainFile) -> str:
+    """Return what a gain file holds, TOML or JSON by its suffix.
 
-    The file appears under its name only when it is complete.
+    Raises
+    ------
+    ArgumentError
+        Another suffix.
     """
     tables = content.model_dump(exclude_none=True)
     if path.suffix == ".json":
-        text = json.dumps(tables, indent=2) + "\n"
-    elif path.suffix == ".toml":
-        text = _toml(tables)
-    else:
-        raise ArgumentError("output", str(path), "a name that ends in .toml or .json")
-    temporary = path.with_name(f".{path.name}.partial")
-    temporary.write_text(text, encoding="utf-8")
-    temporary.replace(path)
+        return json.dumps(tables, indent=2) + "\n"
+    if path.suffix == ".toml":
+        return _toml(tables)
+    raise ArgumentError("output", str(path), "a name that ends in .toml or .json")
+
+
+def write(path: Path, content: GainFile, *, force: bool = True) -> None:
+    """Write a gain file, TOML or JSON by its suffix.
+
+    The file appears under its name only when it is complete and on the disk.
+
+    Parameters
+    ----------
+    path : Path
+        Its name; a symbolic link is followed.
+    content : GainFile
+        What it holds.
+    force : bool
+        Replace an existing file.
+
+    Raises
+    ------
+    ArgumentError
+        Another suffix.
+    GainFileError
+        The file cannot be written, or exists and `force` is False.
+    """
+    refuse = partial(GainFileError, str(path))
+    write_bytes(path, text(path, content).encode(), refuse, force=force)
 
 
 def _toml(tables: dict[str, Any]) -> str:
@@ -292,4 +321,7 @@ def _toml(tables: dict[str, Any]) -> str:
 def _value(x: object) -> str:
     if isinstance(x, list) and x and isinstance(x[0], list):
         return "[\n" + "".join(f"    {_value(row)},\n" for row in x) + "]"
+    if isinstance(x, str):
+        # The escapes of JSON are those of TOML, but for letters beyond 16 bits and DEL.
+        return json.dumps(x, ensure_ascii=False).replace("\x7f", "\\u007f")
     return json.dumps(x)

@@ -7,6 +7,7 @@ goals of another stream, too many to learn by heart. What is kept is chosen on g
 third stream, and tried on goals of a fourth.
 """
 
-from ._search import Report, Tuning, template, tune
+from ._plan import Tuning, template
+from ._search import Report, tune
 
 __all__ = ["Report", "Tuning", "template", "tune"]

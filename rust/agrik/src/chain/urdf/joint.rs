@@ -2,10 +2,10 @@
 
 use nalgebra::{IsometryMatrix3, Rotation3, Translation3, Unit, Vector3};
 
-use super::fault;
 use super::text::quoted;
 use super::tree::{Declared, Tree};
 use super::xml::Element;
+use super::{fault, limits};
 use crate::chain::{Joint, JointKind, Mimic};
 use crate::error::{Error, Result};
 
@@ -60,7 +60,7 @@ impl<'a> Leader<'a> {
         let mut leader =
             Self { name: follower.name, multiplier: 1.0, offset: 0.0, limits: FREE, bounds: FREE };
         let mut current = follower;
-        for _ in 0..=tree.joint_count() {
+        for _ in 0..=limits::FOLLOWERS.min(tree.joint_count()) {
             let Some(element) = current.element.child("mimic") else {
                 if std::ptr::eq(current, follower) {
                     return Ok(None);
@@ -91,7 +91,13 @@ impl<'a> Leader<'a> {
                 return Err(fault(format!("{place} follows {source}, which does not move")));
             }
         }
-        Err(fault(format!("{}: <mimic> leads back to itself", follower.place())))
+        let place = follower.place();
+        let most = limits::FOLLOWERS;
+        Err(fault(if tree.joint_count() <= most {
+            format!("{place}: <mimic> leads back to itself")
+        } else {
+            format!("{place}: <mimic> leads back to itself or over more than {most} joints")
+        }))
     }
 
     fn into_mimic(self) -> Mimic {

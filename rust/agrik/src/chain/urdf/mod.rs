@@ -5,6 +5,7 @@
 //! the numbers of a joint matter only where it lies between base and tip.
 
 mod joint;
+mod limits;
 mod text;
 mod tree;
 mod xml;
@@ -18,8 +19,12 @@ use crate::error::{Error, Result};
 pub(super) fn parse(text: &str, base_link: Option<&str>, tip_link: Option<&str>) -> Result<Chain> {
     let root = xml::read(text)?;
     let tree = tree::Tree::new(&root)?;
-    let joints = tree
-        .path(base_link, tip_link)?
+    let path = tree.path(base_link, tip_link)?;
+    if path.len() > limits::PATH {
+        let (most, count) = (limits::PATH, path.len());
+        return Err(fault(format!("{count} joints between base and tip, expected at most {most}")));
+    }
+    let joints = path
         .into_iter()
         .map(|declared| joint::build(&tree, declared))
         .collect::<Result<Vec<_>>>()?;

@@ -4,14 +4,21 @@
 const LISTED: usize = 12;
 /// How much of a long value a message shows.
 const SHOWN: usize = 60;
+/// Letters of the longest name that another is suggested for: comparing takes their square.
+const COMPARED: usize = 64;
 
-/// A value between quotes, shortened where it is long.
+/// A value between quotes, on one line, shortened where it is long.
 pub(super) fn quoted(value: &str) -> String {
-    if value.chars().count() <= SHOWN {
-        return format!("'{value}'");
+    let mut shown = String::new();
+    for letter in value.chars().take(SHOWN) {
+        if letter.is_control() {
+            shown.extend(letter.escape_default());
+        } else {
+            shown.push(letter);
+        }
     }
-    let start: String = value.chars().take(SHOWN).collect();
-    format!("'{start}...'")
+    let more = if value.chars().nth(SHOWN).is_some() { "..." } else { "" };
+    format!("'{shown}{more}'")
 }
 
 /// `'a', 'b', 'c' and 7 more`.
@@ -30,9 +37,13 @@ pub(super) fn suggestion<'a>(name: &str, known: impl IntoIterator<Item = &'a str
     let wanted = name.to_lowercase();
     // A third of the letters, but never all of them.
     let letters = wanted.chars().count();
+    if letters > COMPARED {
+        return String::new();
+    }
     let limit = letters.div_ceil(3).min(letters.saturating_sub(1));
     known
         .into_iter()
+        .filter(|candidate| candidate.chars().count().abs_diff(letters) <= limit)
         .map(|candidate| (distance(&wanted, &candidate.to_lowercase()), candidate))
         .filter(|(distance, _)| *distance <= limit)
         .min_by_key(|(distance, _)| *distance)
@@ -72,6 +83,8 @@ mod tests {
         assert_eq!(suggestion("bas_link", known), "; did you mean 'base_link'?");
         assert_eq!(suggestion("camera", known), "");
         assert_eq!(suggestion("k", ["j"]), "");
+        let long = "k".repeat(COMPARED + 1);
+        assert_eq!(suggestion(&long, [long.as_str()]), "");
     }
 
     #[test]
@@ -80,5 +93,6 @@ mod tests {
         assert!(listing(names.iter().map(String::as_str)).ends_with("'l11' and 3 more"));
         assert_eq!(listing([]), "");
         assert!(quoted(&"é".repeat(100)).chars().count() < 70);
+        assert_eq!(quoted("é 'a'\n"), "'é 'a'\\n'");
     }
 }

@@ -2,9 +2,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::fault;
 use super::text::{listing, quoted, suggestion};
 use super::xml::Element;
+use super::{fault, limits};
 use crate::error::Result;
 
 /// A `<joint>` and the links it connects.
@@ -33,7 +33,7 @@ impl<'a> Tree<'a> {
     pub fn new(robot: &'a Element) -> Result<Self> {
         let links = links_of(robot)?;
         let mut tree = Self {
-            name: robot.attribute("name").unwrap_or("robot"),
+            name: short(robot, robot.attribute("name").unwrap_or("robot"))?,
             joints: Vec::new(),
             carrier: HashMap::new(),
             by_name: HashMap::new(),
@@ -131,14 +131,41 @@ impl<'a> Tree<'a> {
         false
     }
 
+    /// For every link whether the way from it to the root passes `base`; each joint is
+    /// passed once.
+    fn below(&self, base: &'a str) -> HashMap<&'a str, bool> {
+        let mut below = HashMap::from([(base, true)]);
+        let mut way = Vec::new();
+        for &start in &self.links {
+            let mut link = start;
+            let answer = loop {
+                if let Some(&known) = below.get(link) {
+                    break known;
+                }
+                way.push(link);
+                match self.carrier.get(link) {
+                    Some(&index) => link = self.joints[index].parent,
+                    None => break false,
+                }
+            };
+            below.extend(way.drain(..).map(|passed| (passed, answer)));
+        }
+        below
+    }
+
     fn only_leaf(&self, base: &'a str) -> Result<&'a str> {
         let mut leaf: HashMap<&str, bool> = self.links.iter().map(|&link| (link, true)).collect();
         for joint in &self.joints {
             leaf.insert(joint.parent, false);
         }
+        let below = self.below(base);
         let is_leaf = |link: &str| leaf.get(link).copied().unwrap_or(false);
-        let leaves: Vec<&str> =
-            self.links.iter().copied().filter(|l| is_leaf(l) && self.is_above(base, l)).collect();
+        let leaves: Vec<&str> = self
+            .links
+            .iter()
+            .copied()
+            .filter(|&l| is_leaf(l) && l != base && below.get(l).copied().unwrap_or(false))
+            .collect();
         match leaves[..] {
             [] => Err(fault(format!("no joint below base link {}", quoted(base)))),
             [only] => Ok(only),
@@ -242,8 +269,21 @@ fn links_of(robot: &Element) -> Result<Vec<&str>> {
 
 fn named(element: &Element) -> Result<&str> {
     let (kind, line) = (&element.name, element.line);
-    element
+    let name = element
         .attribute("name")
         .filter(|name| !name.trim().is_empty())
-        .ok_or_else(|| fault(format!("line {line}: <{kind}> without a name")))
+        .ok_or_else(|| fault(format!("line {line}: <{kind}> without a name")))?;
+    short(element, name)
+}
+
+/// The name of an element, if it is of a length that messages and headers can bear.
+fn short<'a>(element: &Element, name: &'a str) -> Result<&'a str> {
+    if name.len() <= limits::NAME {
+        return Ok(name);
+    }
+    let (kind, line) = (&element.name, element.line);
+    let (most, size) = (limits::NAME, name.len());
+    Err(fault(format!(
+        "line {line}: <{kind}> with a name of {size} bytes, expected at most {most}"
+    )))
 }

@@ -10,8 +10,8 @@ use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 
-use super::fault;
 use super::text::quoted;
+use super::{fault, limits};
 use crate::error::Result;
 
 /// One element with its attributes.
@@ -42,6 +42,10 @@ pub(super) fn read(text: &str) -> Result<Element> {
     let text = text.trim_start_matches('\u{feff}');
     if text.trim().is_empty() {
         return Err(fault("the text is empty"));
+    }
+    if text.len() > limits::TEXT {
+        let (most, size) = (limits::TEXT, text.len());
+        return Err(fault(format!("a text of {size} bytes, expected at most {most}")));
     }
     let mut reader = Reader::from_str(text);
     reader.config_mut().expand_empty_elements = true;
@@ -105,6 +109,11 @@ fn element(tag: &BytesStart<'_>, line: usize) -> Result<Element> {
     let mut attributes = Vec::new();
     for attribute in tag.attributes() {
         let attribute = attribute.map_err(|e| refuse(&e))?;
+        // The parser compares each key with all before it.
+        if attributes.len() == limits::ATTRIBUTES {
+            let most = limits::ATTRIBUTES;
+            return Err(fault(format!("line {line}: an element of more than {most} attributes")));
+        }
         let value = attribute
             .normalized_value(XmlVersion::Implicit1_0)
             .map(Cow::into_owned)

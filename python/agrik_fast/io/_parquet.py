@@ -1,0 +1,68 @@
+"""Parquet files, opened without belief in what they claim."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from .._files import Refusal, reading
+from .._npy import BOMB_BYTES, BOMB_RATIO
+
+WHAT = "is not a Parquet file"
+BUFFER_BYTES = 1 << 20
+
+
+def import_pyarrow(refuse: Refusal) -> Any:
+    """Return the pyarrow module, or a one-line error that says how to get it."""
+    try:
+        import pyarrow
+        import pyarrow.compute
+    except ImportError as error:
+        reason = "Parquet files need pyarrow: pip install 'agrik-fast[parquet]'"
+        raise refuse(reason) from error
+    return pyarrow
+
+
+def open_file(path: Path, refuse: Refusal) -> Any:
+    """Return the open file, a `pyarrow.parquet.ParquetFile`."""
+    import_pyarrow(refuse)
+    from pyarrow import parquet
+
+    # Columns are read piece by piece; otherwise whole row groups would be held, and a row
+    # group may be the whole file.
+    make = partial(parquet.ParquetFile, path, buffer_size=BUFFER_BYTES, pre_buffer=False)
+    with reading(refuse, WHAT):
+        file = make()
+        names = file.schema_arrow.names
+        if "id" in names and _is_text(file.schema_arrow.field("id").type):
+            file.close()
+            # Of texts that repeat, a batch holds each once.
+            file = make(read_dictionary=["id"])
+        return file
+
+
+def _is_text(kind: Any) -> bool:
+    from pyarrow import types
+
+    return bool(types.is_string(kind) or types.is_large_string(kind))
+
+
+def check_sizes(file: Any, columns: Sequence[str], refuse: Refusal) -> None:
+    """Refuse columns that claim to unpack to far more than their size in the file."""
+    with reading(refuse, WHAT):
+        packed, unpacked = dict.fromkeys(columns, 0), dict.fromkeys(columns, 0)
+        for group in range(file.metadata.num_row_groups):
+            table = file.metadata.row_group(group)
+            for k in range(table.num_columns):
+                column = table.column(k)
+                if column.path_in_schema in unpacked:
+                    packed[column.path_in_schema] += column.total_compressed_size
+                    unpacked[column.path_in_schema] += column.total_uncompressed_size
+    for name in columns:
+        if unpacked[name] > max(BOMB_BYTES, BOMB_RATIO * packed[name]):
+            raise refuse(
+                f"column '{name}': {packed[name]} bytes claim to unpack to {unpacked[name]}, "
+                f"more than {BOMB_RATIO} times as many"
+            )
