@@ -167,10 +167,9 @@ def _limits(limits: ArrayLike | None, types: Sequence[str]) -> tuple[FloatArray,
         raise ArgumentError("limits", f"shape {table.shape}", f"shape ({count}, 2)")
     for index in np.flatnonzero(bounded).tolist():
         lower, upper = table[index].tolist()
-        if not (math.isfinite(lower) and math.isfinite(upper)):
+        if math.isnan(lower) or math.isnan(upper):
             received = f"[{lower:g}, {upper:g}] for a {types[index]} joint"
-            expected = "finite limits (a joint that turns freely is 'continuous')"
-            raise ArgumentError(f"limits[{index}]", received, expected)
+            raise ArgumentError(f"limits[{index}]", received, "numbers, infinite for no limit")
         if lower > upper:
             received = f"lower {lower:g} > upper {upper:g}"
             raise ArgumentError(f"limits[{index}]", received, "lower <= upper")

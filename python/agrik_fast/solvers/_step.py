@@ -15,15 +15,16 @@ from ._loop import LARGEST_COUNT, JacobianLoop, check_start
 class LevenbergMarquardt(JacobianLoop):
     """Least squares damped by a share of the squared error; the default, named "lm".
 
-    ``dq = J^T (J J^T + (damping |e|^2 / 2 + 1e-12 m^2) I)^-1 e``: steep and safe far from
-    the target, quadratic near it, because the damping vanishes with the error.
+    ``dq = J^T (J J^T + (damping |e|^2 / 2 + 1e-12 s^2) I)^-1 e``, with s the robot's size:
+    steep and safe far from the target, quadratic near it, because the damping vanishes with
+    the error.
 
     Parameters
     ----------
     damping : float, default 0.1
         Share of half the squared error that is added to the diagonal; no unit, > 0.
     max_iterations : int, default 10
-    max_restarts : int, default 100
+    max_restarts : int, default 250
     max_step : float, default 1.0
         The loop's, see `JacobianLoop`.
 
@@ -41,7 +42,7 @@ class LevenbergMarquardt(JacobianLoop):
     name: ClassVar[str] = "lm"
     damping: float = 0.1
     max_iterations: int = 10
-    max_restarts: int = 100
+    max_restarts: int = 250
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

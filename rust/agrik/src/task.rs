@@ -169,6 +169,9 @@ impl<R: Real> Rows<R, 3> for PositionRows {
 pub struct PoseRows {
     /// Length per radian, m.
     pub scale: f64,
+    /// The way from the point whose position the rows compare to the tool point whose position
+    /// counts, in the last joint's frame, m; none where they are one.
+    pub onward: Option<[f64; 3]>,
 }
 
 impl<R: Real> Rows<R, 6> for PoseRows {
@@ -178,9 +181,19 @@ impl<R: Real> Rows<R, 6> for PoseRows {
         let p = sub(goal.position, tool);
         let o = rotation_between(at.joint_axes(), goal.axes);
         let s = R::splat(self.scale);
+        let position2 = match self.onward {
+            None => dot(p, p),
+            Some(onward) => {
+                let mut tool = p;
+                for ((from, to), along) in at.joint_axes().iter().zip(goal.axes).zip(onward) {
+                    tool = axpy(sub(to, *from), R::splat(along), tool);
+                }
+                dot(tool, tool)
+            }
+        };
         TaskError {
             rows: [p[0], p[1], p[2], s * o[0], s * o[1], s * o[2]],
-            position2: dot(p, p),
+            position2,
             orientation2: dot(o, o),
         }
     }

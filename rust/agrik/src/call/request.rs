@@ -177,7 +177,7 @@ impl<'a> Request<'a> {
                 (e.position2, e.orientation2)
             }
             Task::Pose => {
-                let e = PoseRows { scale }.error(at, tool, goal);
+                let e = PoseRows { scale, onward: None }.error(at, tool, goal);
                 (e.position2, e.orientation2)
             }
             Task::Axis { tool_axis } => {

@@ -13,7 +13,7 @@ use nalgebra::{IsometryMatrix3, Matrix4};
 
 pub use compiled::{Compiled, Link, Tail, Twist};
 pub use dh::{DhConvention, DhRow};
-pub use joint::{Joint, JointKind, Mimic};
+pub use joint::{Joint, JointKind, Mimic, UNLIMITED};
 pub use reach::Reach;
 
 use crate::allowed::check_measures;
@@ -38,6 +38,12 @@ impl Variable {
     /// there is none.
     pub fn near_zero(&self) -> f64 {
         0.0f64.clamp(self.lower, self.upper)
+    }
+
+    /// The middle of the limits; where there are none to speak of, the value nearest to zero.
+    pub fn middle(&self) -> f64 {
+        let wide = self.upper - self.lower >= 2.0 * UNLIMITED;
+        if wide { self.near_zero() } else { 0.5 * (self.lower + self.upper) }
     }
 }
 
@@ -196,9 +202,9 @@ fn check_joints(joints: &[Joint]) -> Result<()> {
         }
         check_measures(&place("origin"), numbers(&joint.origin).chain(numbers(&joint.after)))?;
         let bounded = matches!(joint.kind, JointKind::Revolute | JointKind::Prismatic);
-        if bounded && !(joint.lower.is_finite() && joint.upper.is_finite()) {
+        if bounded && (joint.lower.is_nan() || joint.upper.is_nan()) {
             let got = format!("[{}, {}]", joint.lower, joint.upper);
-            return Err(Error::argument(place("limits"), "finite numbers", got));
+            return Err(Error::argument(place("limits"), "numbers", got));
         }
         if bounded && joint.lower > joint.upper {
             let got = format!("lower {} > upper {}", joint.lower, joint.upper);
@@ -255,6 +261,11 @@ fn variables_of(joints: &[Joint]) -> Result<Vec<Variable>> {
             if v.lower.is_finite() && v.upper.is_finite() && v.kind == JointKind::Continuous {
                 v.kind = JointKind::Revolute;
             }
+        }
+    }
+    for v in variables.iter_mut().filter(|v| v.kind == JointKind::Revolute) {
+        if v.lower <= -UNLIMITED && v.upper >= UNLIMITED {
+            (v.kind, v.lower, v.upper) = (JointKind::Continuous, f64::NEG_INFINITY, f64::INFINITY);
         }
     }
     Ok(variables)

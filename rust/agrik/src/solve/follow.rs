@@ -2,6 +2,7 @@
 
 use super::Settings;
 use super::plan::{INSIDE, Plan};
+use super::start::range;
 use crate::allowed::is_measure;
 use crate::call::{Answers, Outcome, Request, Solve, Status};
 use crate::chain::JointKind;
@@ -145,6 +146,10 @@ impl Walker<'_> {
                     let (low, high) = match v.kind {
                         JointKind::Continuous => {
                             (x - std::f64::consts::PI, x + std::f64::consts::PI)
+                        }
+                        _ if (v.upper - v.lower).is_infinite() => {
+                            let (lower, width) = range(plan.request.chain(), v);
+                            (lower, lower + width)
                         }
                         _ => (v.lower, v.upper),
                     };

@@ -261,7 +261,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         let compiled = self.plan.request.chain().compiled();
         let tolerance = self.setup.aim.tolerance();
         let (position2, orientation2) = (square(tolerance.position), square(tolerance.orientation));
-        let rounding = R::splat(ROUNDING * self.plan.request.chain().reach().radius);
+        let rounding = R::splat(ROUNDING * self.plan.request.chain().reach().size);
         let dof = self.q.len();
         // Turning the tool about one axis moves no axis before it, so a sweep from the tip
         // needs one pass of forward kinematics.

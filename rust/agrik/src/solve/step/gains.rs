@@ -392,9 +392,5 @@ fn about_middle(chain: &Chain) -> impl Iterator<Item = Vec<f64>> {
 
 /// The middle of the limits; zero for continuous joints.
 pub fn middle(chain: &Chain) -> Vec<f64> {
-    let value = |v: &crate::chain::Variable| {
-        let middle = 0.5 * (v.lower + v.upper);
-        if middle.is_finite() { middle } else { v.near_zero() }
-    };
-    chain.variables().iter().map(value).collect()
+    chain.variables().iter().map(crate::chain::Variable::middle).collect()
 }

@@ -2,6 +2,7 @@
 
 mod damped;
 mod gains;
+mod lengths;
 mod normal_equations;
 mod pace;
 mod pseudo_inverse;
@@ -18,6 +19,7 @@ use crate::{Allowed, Field};
 
 pub(super) use gains::{Feedback, Sparse, middle};
 pub use gains::{GainUnits, Matrix, Pid, PidOrder, StateSpace, StaticGain, frozen_gain};
+pub use lengths::Lengths;
 pub use pace::Pace;
 
 /// Whole numbers of which there must be one.
@@ -96,7 +98,9 @@ pub struct Settings {
     pub max_iterations: u32,
     /// Attempts after the first before the target is given up.
     pub max_restarts: u32,
-    /// Longest change of one joint in one step, rad or m. Feedback laws take full steps.
+    /// Longest change of one joint in one step, rad; of a slide, in sizes of the robot or
+    /// distances from the goal, whichever is more (m for plain methods). Feedback laws take
+    /// full steps.
     pub max_step: f64,
     /// As textbooks have it: full use of `max_step`, then limits by saturation alone, no
     /// extra steps for slow convergence, and stalled attempts reported as such.
@@ -126,7 +130,7 @@ impl Settings {
     pub const LEVENBERG_MARQUARDT: Self = Self {
         step: Step::LevenbergMarquardt { damping: 0.1 },
         max_iterations: 10,
-        max_restarts: 100,
+        max_restarts: 250,
         max_step: 1.0,
         plain: false,
         start: StartRule::Sampled,
@@ -285,9 +289,10 @@ impl Settings {
         &self,
         columns: &[[R; M]],
         error: &[R; M],
+        lengths: &Lengths,
         change: &mut [R],
     ) {
-        self.step.compute(columns, error, change);
+        self.step.compute(columns, error, lengths, change);
         self.pace.apply(error, change);
     }
 }
@@ -320,6 +325,18 @@ impl Step {
         }
     }
 
+    /// A feedback law.
+    pub(super) fn is_feedback(&self) -> bool {
+        matches!(
+            self,
+            Self::CyclicCoordinateDescent
+                | Self::IkPid(_)
+                | Self::StateSpace(_)
+                | Self::StaticGain(_)
+                | Self::Broyden { .. }
+        )
+    }
+
     /// The change of the joint values. Columns of joints that are held are zero; so is
     /// their change. `columns` are those of the Jacobian, in the task's rows.
     #[inline(always)]
@@ -327,6 +344,7 @@ impl Step {
         &self,
         columns: &[[R; M]],
         error: &[R; M],
+        lengths: &Lengths,
         change: &mut [R],
     ) {
         match *self {
@@ -335,12 +353,12 @@ impl Step {
             Self::FixedTranspose { alpha } => transpose::fixed_step(columns, error, alpha, change),
             Self::PseudoInverse { cutoff } => pseudo_inverse::step(columns, error, cutoff, change),
             Self::Damped { damping } => {
-                damped::step(columns, error, R::splat(damping * damping), change);
+                let added = R::splat(damping * damping);
+                damped::step(columns, error, added, lengths.pivot(), change);
             }
             Self::LevenbergMarquardt { damping } => {
-                let squared = squared_norm(error);
-                let added = squared.mul_add(R::splat(0.5 * damping), R::splat(1e-12));
-                damped::step(columns, error, added, change);
+                let added = lengths.added(squared_norm(error), damping);
+                damped::step(columns, error, added, lengths.pivot(), change);
             }
             // Feedback laws have no use for a Jacobian and never come here.
             Self::CyclicCoordinateDescent
