@@ -142,9 +142,10 @@ def _entry(
     return default
 
 
-def _strings(argument: str, values: Sequence[str], count: int) -> list[str]:
-    listed = isinstance(values, Sequence) and not isinstance(values, str)
-    if not listed or not all(isinstance(value, str) for value in values):
+def _strings(argument: str, values: object, count: int) -> list[str]:
+    if not isinstance(values, Sequence) or isinstance(values, str):
+        raise ArgumentError(argument, repr(values), "a sequence of strings")
+    if not all(isinstance(value, str) for value in values):
         raise ArgumentError(argument, repr(values), "a sequence of strings")
     for value in values:
         text(argument, value)

@@ -48,7 +48,8 @@ class ClosedForm:
     certify: bool = False
 
     def __post_init__(self) -> None:
-        if not isinstance(self.choose, str) or self.choose not in ("nearest", "margin", "middle"):
+        choose: object = self.choose
+        if not isinstance(choose, str) or choose not in ("nearest", "margin", "middle"):
             raise ArgumentError(
                 "ClosedForm.choose", repr(self.choose), "'nearest', 'margin' or 'middle'"
             )
