@@ -83,7 +83,7 @@ def test_letters_that_the_terminal_cannot_show_are_escaped(tmp_path: Path) -> No
         '<parent link="a"/><child link="b"/></joint></robot>'
     )
     (tmp_path / "arm.urdf").write_text(urdf, encoding="utf-8")
-    environment = os.environ | {"PYTHONIOENCODING": "ascii"}
+    environment = os.environ | {"PYTHONIOENCODING": "latin-1"}
     done = shell(tmp_path, f"{COMMAND} info arm.urdf", env=environment)
     assert done.returncode == 0 and "\\u03b8" in done.stdout
 
@@ -129,7 +129,7 @@ def test_faults_of_the_program_are_told_on_one_line(
     from agrik_fast.cli._exits import FAULT, exit_codes
 
     for error, status, text in [
-        (KeyError("x"), FAULT, "a fault of the program, please report it: KeyError in test_faults"),
+        (KeyError("x"), FAULT, "a fault of the program, please report it: KeyError (test_faults"),
         (MemoryError(), 4, "out of memory, nothing was written"),
         (ImportError("failed to map segment"), 4, "cannot be loaded: failed to map segment"),
         (RuntimeError("can't start new thread"), 4, "out of threads or memory"),

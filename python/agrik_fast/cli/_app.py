@@ -35,7 +35,8 @@ def _show_version(wanted: bool) -> None:
     if wanted:
         from importlib.metadata import version
 
-        typer.echo(f"agrik-fast {version('agrik_fast')}")
+        with telling():
+            typer.echo(f"agrik-fast {version('agrik_fast')}")
         raise typer.Exit
 
 

@@ -65,7 +65,10 @@ def exit_codes() -> Iterator[Kept]:
     except typer.Exit:
         raise
     except Exception as error:
-        line, status = _told(error)
+        try:
+            line, status = _told(error)
+        except MemoryError:
+            line, status = f"out of memory, {kept.what()}", NO_MEMORY
         say(f"agrik-fast: {line}")
         raise typer.Exit(status) from None
 
@@ -206,6 +209,9 @@ def run(command: Callable[[], None]) -> None:
         status = leaving.code
     except typer.Exit as leaving:
         status = leaving.exit_code
+    except MemoryError:
+        say("agrik-fast: out of memory, nothing was written")
+        status = NO_MEMORY
     try:
         with telling():
             pass

@@ -39,7 +39,7 @@ class ParquetReader(TargetReader):
             except ColumnError as error:
                 raise TargetFileError(path, str(error)) from error
             self._names = [*self._columns.numeric, *(["id"] if self._columns.row_id else [])]
-            check_sizes(file, self._names, self._refuse)
+            check_sizes(file, path, self._refuse)
         types = self._pyarrow.types
         for name in self._columns.numeric:
             kind = kinds[name]

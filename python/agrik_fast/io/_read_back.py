@@ -179,7 +179,7 @@ def _parquet(path: Path, refuse: Refusal) -> Read:
     with open_file(path, refuse) as file, reading(refuse, WHAT):
         names = list(file.schema_arrow.names)
         _joints(names, refuse)
-        check_sizes(file, names, refuse)
+        check_sizes(file, path, refuse)
         table = file.read()
         columns: Columns = {}
         for name in names:

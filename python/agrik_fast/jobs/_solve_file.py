@@ -106,8 +106,8 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     """Solve every target of a file and write the results.
 
     Reading, solving and writing overlap, in memory that does not grow with the file (but for
-    NPZ, which is one archive of whole arrays, and for NPY results with text ids). Results do
-    not depend on the pieces, because the solver is told each piece's first index.
+    NPZ results, which are one archive of whole arrays, and NPY results with text ids). Results
+    do not depend on the pieces, because the solver is told each piece's first index.
 
     Parameters
     ----------

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import csv
+import io
 import time
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
+from .._atomic import write_bytes
 from ..errors import AgrikError
 
 if TYPE_CHECKING:
@@ -31,24 +33,31 @@ def figure(width: float, height: float) -> Figure:
 
 def save(drawing: Figure, directory: Path, name: str) -> list[Path]:
     """Write a figure as PNG and SVG and return the files."""
-    png, svg = directory / f"{name}.png", directory / f"{name}.svg"
-    drawing.savefig(png, dpi=PNG_DPI, metadata={"Software": None})
-    drawing.savefig(svg, metadata={"Date": None})
-    return [png, svg]
+    png, svg = io.BytesIO(), io.BytesIO()
+    drawing.savefig(png, format="png", dpi=PNG_DPI, metadata={"Software": None})
+    drawing.savefig(svg, format="svg", metadata={"Date": None})
+    return [
+        _write(directory / f"{name}.{suffix}", stream.getvalue())
+        for suffix, stream in (("png", png), ("svg", svg))
+    ]
 
 
 def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> Path:
     """Write a table; floats as they come."""
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(rows)
-    return path
+    stream = io.StringIO(newline="")
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(rows)
+    return _write(path, stream.getvalue().encode())
 
 
 def write_text(path: Path, lines: Iterable[str]) -> Path:
     """Write lines of text."""
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return _write(path, ("\n".join(lines) + "\n").encode())
+
+
+def _write(path: Path, data: bytes) -> Path:
+    write_bytes(path, data, lambda reason: AgrikError(f"{path}: {reason}"), force=True)
     return path
 
 
