@@ -24,6 +24,8 @@ const NEARBY: u32 = 4;
 const ANYWHERE: u32 = 3;
 /// Ways of slides longer than so many sizes of the robot are sampled near zero alone.
 const LONG: f64 = 100.0;
+/// Share of a joint's range by which a second attempt starts beside the caller's start.
+const BESIDE: f64 = 0.02;
 /// Low bits of a distance that give way to the posture's number in its window.
 const NUMBER: u32 = (WINDOW * BLOCK - 1) as u32;
 
@@ -96,6 +98,15 @@ impl<'a> Sampler<'a> {
         {
             // Single precision may have rounded an end outward.
             *to = f64::from(*from).max(*lower).min(lower + width);
+        }
+    }
+
+    /// A start around another one, the farther the later the attempt.
+    pub fn around(&self, row: usize, attempt: u32, q: &mut [f64]) {
+        let mut stream = Sequence::new(self.key(row, attempt));
+        let share = BESIDE * f64::from(attempt * attempt);
+        for (x, (_, width)) in q.iter_mut().zip(&self.postures.ranges) {
+            *x += share * width * (2.0 * stream.uniform() - 1.0);
         }
     }
 

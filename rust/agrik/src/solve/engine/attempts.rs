@@ -13,6 +13,9 @@ use crate::lanes::Real;
 use crate::solve::step::squared_norm;
 use crate::task::{Goal, Rows, TaskError};
 
+/// Attempts after the first that start around the caller's start: its neighbourhood may hold a
+/// solution that the way straight ahead, along a limit, does not lead to.
+const AROUND: u32 = 2;
 /// From this attempt on every second one starts near the best end so far.
 const HOPS: u32 = 8;
 /// Most starts from which a nearest posture is looked for; fewer where so many ends after the
@@ -239,6 +242,13 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         let given = self.plan.start(row);
         let begin: &[f64] = match given {
             Some(start) if attempt == 0 => start,
+            Some(start)
+                if !FEEDBACK && attempt <= AROUND && self.plan.request.start(row).is_some() =>
+            {
+                self.begin.copy_from_slice(start);
+                self.plan.sampler.around(row, attempt, &mut self.begin);
+                &self.begin
+            }
             _ if attempt >= HOPS && attempt % 2 == 1 && self.jobs[lane].best.is_some() => {
                 self.begin.clone_from(&self.jobs[lane].best_q);
                 self.plan.sampler.hop(row, attempt, &mut self.begin);
