@@ -103,7 +103,7 @@ fn levels() -> impl Iterator<Item = Level> {
 
 proptest! {
     #![proptest_config(ProptestConfig {
-        cases: 24,
+        cases: 12,
         failure_persistence: None,
         ..ProptestConfig::default()
     })]
@@ -111,14 +111,15 @@ proptest! {
     #[test]
     fn company_changes_nothing(chain in chain(), seed in any::<u64>()) {
         let (poses, starts) = targets_and_starts(&chain, seed);
-        for solver in solvers() {
-            for task in tasks() {
+        for (i, solver) in solvers().into_iter().enumerate() {
+            // Two tasks a solver, others for each chain.
+            for task in tasks().into_iter().cycle().skip((seed as usize % 5) + i).take(2) {
                 for starts in [None, Some(&starts[..])] {
                     for level in levels() {
                         let call = (&chain, task, &solver);
                         let targets = (&poses[..], starts);
                         let Some(whole) = piece(level, call, targets, (0, ROWS)) else { break };
-                        for size in [1, 2, 7] {
+                        for size in [1, 7] {
                             for first in (0..ROWS).step_by(size) {
                                 let count = size.min(ROWS - first);
                                 let part = piece(level, call, targets, (first, count))
