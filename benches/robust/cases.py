@@ -1,0 +1,321 @@
+"""One case of the fuzzer: an arm, a few requests to it, and all that must hold for the answers."""
+
+from __future__ import annotations
+
+import pickle
+import time
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+import agrik_fast as ik
+from agrik_fast import Status
+
+from . import arms, judge, requests
+from .chain import Arm
+from .judge import Fault
+from .snippet import snippet
+
+REQUESTS = 3
+"""Requests to one arm."""
+
+FIELDS_OF_BRANCHES = ("q", "valid", "reached", "singular", "status")
+ALONE = 12
+"""Rows of a call that are solved again one by one."""
+
+
+@dataclass
+class Outcome:
+    """What a case found."""
+
+    counts: Counter[str] = field(default_factory=Counter)
+    tally: dict[str, list[float]] = field(default_factory=dict)
+    """By "solver, task": rows, reachable rows, those of them solved, seconds."""
+    faults: list[dict[str, Any]] = field(default_factory=list)
+
+    def add(self, kind: str, text: str, number: int, place: str, code: str) -> None:
+        self.counts[f"fault: {kind}"] += 1
+        self.faults.append(
+            {"kind": kind, "case": number, "place": place, "text": text, "code": code}
+        )
+
+
+Say = Callable[[str], None]
+"""Tells the watchdog what is about to be called."""
+
+
+def run(seed: int, number: int, say: Say = lambda doing: None) -> Outcome:
+    """Do one case; everything follows from the seed and the case's number.
+
+    Parameters
+    ----------
+    seed, number : int
+        Which case, both >= 0.
+    say : callable
+        Told before each call into the library what it is.
+    """
+    warnings.simplefilter("ignore")
+    rng = np.random.Generator(np.random.PCG64([seed, number]))
+    outcome = Outcome()
+    arm = arms.draw(rng)
+    outcome.counts[f"arms: {arm.kind}"] += 1
+    say(f"build {arm.kind}")
+    try:
+        robot = requests.library_arm(arm)
+    except ik.AgrikError as error:
+        outcome.counts[f"refused arm: {type(error).__name__}"] += 1
+        if not _may_be_refused(arm):
+            outcome.add("arm refused", str(error)[:300], number, arm.kind, snippet(arm))
+        return outcome
+    except BaseException as error:
+        _reraise(error)
+        outcome.add("exception", _named(error), number, arm.kind, snippet(arm))
+        return outcome
+    _same_arm(arm, robot, rng, outcome, number)
+    say("closed_form")
+    family = robot.closed_form
+    outcome.counts[f"family: {family}"] += 1
+    for _ in range(REQUESTS):
+        request = requests.draw(arm, family, rng)
+        _Asked(seed, number, arm, robot, request, rng, outcome, say).run()
+    return outcome
+
+
+def _may_be_refused(arm: Arm) -> bool:
+    return False
+
+
+def _same_arm(
+    arm: Arm, robot: ik.Robot, rng: np.random.Generator, outcome: Outcome, number: int
+) -> None:
+    """Compare the library's kinematics with ours: a wrong judge would judge wrongly."""
+    low, high = requests.postures.bounds(arm)
+    q = low + (high - low) * rng.random((20, arm.dof))
+    ours, theirs = arm.fk(q), robot.fk(q)
+    slip, turn_slip = arm.rounding(q)
+    off = np.abs(ours - theirs)
+    wrong = (off[:, :3, 3].max(axis=1) > 8 * slip) | (
+        off[:, :3, :3].max(axis=(1, 2)) > 8 * turn_slip
+    )
+    for row in np.flatnonzero(wrong)[:1]:
+        text = f"q {q[row].tolist()}: differs by {off[row].max():.3e}"
+        outcome.add("forward kinematics differ", text, number, arm.kind, snippet(arm))
+    slack = np.where(arm.leads, 4 * judge.EPS * (1 + np.abs(arm.lower)), 0.0)
+    with np.errstate(invalid="ignore"):
+        ends = (np.abs(robot.lower - arm.lower) <= slack) | (robot.lower == arm.lower)
+        ends &= (np.abs(robot.upper - arm.upper) <= slack) | (robot.upper == arm.upper)
+    # Revolute joints with infinite limits may be told as such.
+    if not ends.all():
+        text = f"{robot.lower.tolist()} to {robot.upper.tolist()}"
+        outcome.add("limits differ", text, number, arm.kind, snippet(arm))
+
+
+@dataclass
+class _Asked:
+    """One request, its answer and the comparisons."""
+
+    seed: int
+    number: int
+    arm: Arm
+    robot: ik.Robot
+    request: requests.Request
+    rng: np.random.Generator
+    outcome: Outcome
+    say: Say
+
+    @property
+    def place(self) -> str:
+        request = self.request
+        solver = request.solver
+        shown = solver if isinstance(solver, str) else repr(solver)
+        return f"{self.arm.kind}, {request.task_name}, {shown[:160]}, {request.rows} rows"
+
+    def run(self) -> None:
+        request = self.request
+        if request.refusal:
+            # One row is enough to see that the refusal is a documented one.
+            self._refused()
+            return
+        begin = time.perf_counter()
+        threads = [None, 1, 2][self.rng.integers(3)]
+        before = [None if a is None else a.tobytes() for a in (request.targets, request.q0)]
+        result = self._call(request.piece(0, request.rows)(threads=threads))
+        if result is None:
+            return
+        seconds = time.perf_counter() - begin
+        after = [None if a is None else a.tobytes() for a in (request.targets, request.q0)]
+        if before != after:
+            self._add("input changed", 0, "targets or q0")
+        self._count(result, seconds)
+        check = judge.branches if request.solver_name == requests.BRANCHES else judge.answers
+        for fault in check(request, result):
+            self._fault(fault)
+        self._compare(result)
+
+    def _call(self, arguments: dict[str, Any], robot: ik.Robot | None = None) -> Any:
+        """Ask the library; None after an exception, which is noted."""
+        request = self.request
+        robot = self.robot if robot is None else robot
+        self.say(f"{self.place}, threads {arguments.get('threads')}")
+        self.outcome.counts["calls"] += 1
+        try:
+            ask = robot.ik_all if request.solver_name == requests.BRANCHES else robot.ik
+            return ask(**arguments)
+        except ik.AgrikError as error:
+            if not request.refusal:
+                self._add("refused", 0, f"{type(error).__name__}: {str(error)[:300]}")
+            else:
+                self.outcome.counts[f"refused: {request.refusal}"] += 1
+        except BaseException as error:
+            _reraise(error)
+            self._add("exception", 0, _named(error))
+        return None
+
+    def _refused(self) -> None:
+        result = self._call(self.request.piece(0, 1)())
+        if result is not None:
+            # It was answered after all, so it must be right.
+            self.outcome.counts[f"answered, though {self.request.refusal}"] += 1
+
+    def _count(self, result: Any, seconds: float) -> None:
+        request = self.request
+        counts = self.outcome.counts
+        counts["rows"] += request.rows
+        status = np.asarray(result.status)
+        for code, number in zip(*np.unique(status, return_counts=True), strict=True):
+            counts[f"status: {Status(code).name}"] += int(number)
+        solved = int(((status == Status.CONVERGED) & request.reachable).sum())
+        name = f"{request.solver_name}, {request.task_name}"
+        plain = isinstance(request.solver, str) and "position_tolerance" not in request.options
+        self.outcome.tally[name if plain else f"{request.solver_name}, other options"] = [
+            request.rows,
+            int(request.reachable.sum()),
+            solved,
+            seconds,
+        ]
+
+    # -- the same bits, however it is asked ------------------------------------------------------
+
+    def _compare(self, result: Any) -> None:
+        request, rng = self.request, self.rng
+        rows = request.rows
+        fields = judge.FIELDS
+        if request.solver_name == requests.BRANCHES:
+            fields = FIELDS_OF_BRANCHES
+        whole = request.piece(0, rows)
+        if rng.random() < 0.5:
+            self._agree(result, self._call(whole(threads=2)), slice(None), fields, "2 threads")
+        if rng.random() < 0.3:
+            self._agree(result, self._call(whole(threads=1)), slice(None), fields, "1 thread")
+        if rng.random() < 0.3:
+            anew = self._call(whole(), pickle.loads(pickle.dumps(self.robot)))
+            self._agree(result, anew, slice(None), fields, "a robot made anew")
+        if rows > 1 and rng.random() < 0.5:
+            cuts = [0, *np.sort(rng.integers(0, rows + 1, 2)).tolist(), rows]
+            for begin, end in zip(cuts, cuts[1:], strict=False):
+                if end > begin:
+                    piece = self._call(request.piece(begin, end)(threads=1))
+                    place = f"rows {begin} to {end} of {rows}"
+                    self._agree(result, piece, slice(begin, end), fields, place)
+        for row in rng.permutation(rows)[:ALONE].tolist():
+            alone = self._call(request.piece(row, row + 1)())
+            self._agree(result, alone, slice(row, row + 1), fields, f"row {row} alone")
+        if isinstance(request.solver, str | ik.solvers.LevenbergMarquardt):
+            self._loop()
+
+    def _agree(
+        self, result: Any, other: Any, rows: slice, fields: tuple[str, ...], how: str
+    ) -> None:
+        if other is None:
+            return
+        agrees = judge.same(_Part(result, rows, fields), other, fields)
+        self.outcome.counts["rows compared"] += len(agrees)
+        for row in np.flatnonzero(~agrees)[:1]:
+            at = int(row) + (rows.start or 0)
+            parts = ", ".join(_difference(result, other, at, int(row), fields))
+            self._add("bits differ", at, f"{how}: {parts}")
+
+    def _loop(self) -> None:
+        """Compare `Robot.solver`, one object for several targets, with calls of one row."""
+        request = self.request
+        if request.solver_name in ("de", "ga", "closed_form", requests.BRANCHES):
+            return
+        options = {k: v for k, v in request.options.items() if k != "first_index"}
+        self.say(f"{self.place}, solver()")
+        try:
+            loop = self.robot.solver(task=request.task, solver=request.solver, **options)
+        except ik.AgrikError as error:
+            # Some names stand for solvers that answer batches only.
+            self.outcome.counts[f"solver() refused: {request.solver_name}"] += 1
+            if request.solver_name != "auto":
+                self._add("refused", 0, f"solver(): {str(error)[:300]}")
+            return
+        except BaseException as error:
+            _reraise(error)
+            self._add("exception", 0, f"solver(): {_named(error)}")
+            return
+        starts = request.starts()
+        for row in self.rng.permutation(request.rows)[:6].tolist():
+            arguments = request.piece(row, row + 1)() | {"first_index": 0}
+            alone = self._call(arguments)
+            if alone is None:
+                return
+            self.say(f"{self.place}, solver().solve")
+            try:
+                loop.solve(request.targets[row], None if starts is None else starts[row])
+            except BaseException as error:
+                _reraise(error)
+                self._add("exception", row, f"solve(): {_named(error)}")
+                return
+            self.outcome.counts["rows compared"] += 1
+            one = _Part(alone, slice(0, 1), judge.FIELDS)
+            wrong = [
+                name
+                for name in judge.FIELDS
+                if np.asarray(getattr(loop, name), getattr(one, name).dtype).tobytes()
+                != getattr(one, name).tobytes()
+            ]
+            if wrong:
+                text = f"solver(): {', '.join(wrong)}; {loop.q.tolist()} not {one.q[0].tolist()}"
+                self._add("bits differ", row, text)
+                return
+
+    # -- faults ----------------------------------------------------------------------------------
+
+    def _fault(self, fault: Fault) -> None:
+        self._add(fault.kind, fault.row, fault.text)
+
+    def _add(self, kind: str, row: int, text: str) -> None:
+        code = snippet(self.arm, self.request, row)
+        self.outcome.add(kind, f"row {row}: {text}", self.number, self.place, code)
+
+
+class _Part:
+    """Some rows of a result, flattened to one row a target."""
+
+    def __init__(self, result: Any, rows: slice, fields: tuple[str, ...]) -> None:
+        for name in fields:
+            setattr(self, name, np.asarray(getattr(result, name))[rows])
+
+
+def _difference(
+    result: Any, other: Any, at: int, row: int, fields: tuple[str, ...]
+) -> Iterator[str]:
+    for name in fields:
+        one, two = np.asarray(getattr(result, name))[at], np.asarray(getattr(other, name))[row]
+        if one.tobytes() != two.tobytes():
+            yield f"{name} {one.tolist()} not {two.tolist()}"
+
+
+def _named(error: BaseException) -> str:
+    return f"{type(error).__module__}.{type(error).__name__}: {str(error)[:300]}"
+
+
+def _reraise(error: BaseException) -> None:
+    """Let through what ends the process."""
+    if isinstance(error, KeyboardInterrupt | SystemExit | MemoryError):
+        raise error

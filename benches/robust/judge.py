@@ -1,0 +1,251 @@
+"""What is wrong with answers, by forward kinematics of our own and by the documented promises."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from agrik_fast import Status
+
+from .chain import EPS, Arm, Array, axis_angles, rotation_vectors, unit
+
+FIELDS = ("q", "status", "position_error", "orientation_error", "iterations", "restarts")
+TURN = 2 * np.pi
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A broken promise."""
+
+    kind: str
+    row: int
+    text: str
+
+
+def errors(task: Any, task_name: str, reached: Array, wanted: Array) -> tuple[Array, Array]:
+    """Position errors (m) and orientation errors (rad), each (m,), that a task's tolerances mean."""
+    off = reached[:, :3, 3] - wanted[:, :3, 3]
+    if task_name == "position":
+        return np.linalg.norm(off, axis=1), np.zeros(len(off))
+    if task_name == "pose":
+        turn = np.swapaxes(reached[:, :3, :3], 1, 2) @ wanted[:, :3, :3]
+        return np.linalg.norm(off, axis=1), np.linalg.norm(rotation_vectors(turn), axis=1)
+    if task_name == "axis":
+        own = np.asarray(task.tool_axis, float)
+        is_at = reached[:, :3, :3] @ own
+        if task.direction is None:
+            should = wanted[:, :3, :3] @ own
+        else:
+            should = np.broadcast_to(unit(task.direction), is_at.shape)
+        return np.linalg.norm(off, axis=1), axis_angles(is_at, should)
+    if task_name == "masked":
+        counted = np.asarray(task.weights) > 0
+        turn = rotation_vectors(wanted[:, :3, :3] @ np.swapaxes(reached[:, :3, :3], 1, 2))
+        if task.frame == "tool":
+            back = np.swapaxes(reached[:, :3, :3], 1, 2)
+            off = (back @ off[:, :, None])[:, :, 0]
+            turn = (back @ turn[:, :, None])[:, :, 0]
+        return (
+            np.linalg.norm(off[:, counted[:3]], axis=1),
+            np.linalg.norm(turn[:, counted[3:]], axis=1),
+        )
+    raise ValueError(f"no task is called {task_name!r}")
+
+
+def within_limits(arm: Arm, q: Array) -> np.ndarray:
+    """Rows whose values keep the limits; those that followers allow, up to rounding."""
+    slack = np.where(arm.leads, 4 * EPS * (1 + np.abs(q)), 0.0)
+    return ((q >= arm.lower - slack) & (q <= arm.upper + slack)).all(axis=1)
+
+
+def answers(request: Any, result: Any) -> list[Fault]:
+    """Return what is wrong with the answers of one call of `ik`."""
+    arm, q = request.arm, np.asarray(result.q)
+    status, success = np.asarray(result.status), np.asarray(result.success)
+    faults: list[Fault] = []
+
+    def report(kind: str, wrong: np.ndarray, text: Any) -> None:
+        faults.extend(Fault(kind, int(row), text(row)) for row in np.flatnonzero(wrong)[:3])
+
+    starts = request.starts()
+    bad = ~_finite(request)
+    given_bad = bad if starts is None else bad | ~np.isfinite(starts).all(axis=1)
+    unknown = given_bad & (status != Status.BAD_INPUT)
+    report("bad input not told", unknown, lambda i: f"status {Status(status[i]).name}")
+    # Numbers that no arm has may be refused as well, by one stated range.
+    sane = np.abs(_points(request)).max(axis=1, initial=0) < 1e12 * max(arm.scale, 1)
+    invented = (status == Status.BAD_INPUT) & ~given_bad & sane
+    report("bad input invented", invented, lambda i: f"target {request.targets[i].tolist()}")
+
+    nan = ~np.isfinite(q).all(axis=1)
+    report("not a number", nan, lambda i: f"q {q[i].tolist()}, {Status(status[i]).name}")
+    lost = np.isnan(result.position_error) | np.isnan(result.orientation_error)
+    report("not a number", lost, lambda i: f"errors NaN, {Status(status[i]).name}")
+    unlike = success != (status == Status.CONVERGED)
+    report("success and status differ", unlike, lambda i: f"{success[i]}, {status[i]}")
+
+    usable = ~nan & ~given_bad
+    left = usable & ~within_limits(arm, np.where(nan[:, None], 0.0, q))
+    report(
+        "limits left",
+        left,
+        lambda i: f"q {q[i].tolist()}, limits {arm.lower.tolist()} to {arm.upper.tolist()}",
+    )
+
+    seen = np.flatnonzero(usable)
+    position, orientation = errors(
+        request.task if not isinstance(request.task, str) else None,
+        request.task_name,
+        arm.fk(q[seen]),
+        request.poses[seen],
+    )
+    slip, turn_slip = arm.rounding(q[seen])
+    slip = slip + 8 * EPS * np.linalg.norm(request.poses[seen, :3, 3], axis=1)
+    most, most_turn = request.position_tolerance, request.orientation_tolerance
+    holds = (position <= most) & (orientation <= most_turn)
+    clear = (position <= most * (1 - 1e-9) - slip) & (
+        (orientation <= most_turn * (1 - 1e-9) - turn_slip) | (orientation == 0)
+    )
+    breaks = (position > most * (1 + 1e-9) + slip) | (
+        orientation > most_turn * (1 + 1e-9) + turn_slip
+    )
+
+    def told(i: int) -> str:
+        at = int(np.searchsorted(seen, i))
+        return (
+            f"{Status(status[i]).name}; errors {position[at]:.3e} m, {orientation[at]:.3e} rad, told "
+            f"{result.position_error[i]:.3e} m, {result.orientation_error[i]:.3e} rad; tolerances "
+            f"{most:.3g} m, {most_turn:.3g} rad"
+        )
+
+    def rows(flags: np.ndarray) -> np.ndarray:
+        wide = np.zeros(len(q), bool)
+        wide[seen[flags]] = True
+        return wide
+
+    report("false success", rows(breaks & success[seen]), told)
+    inside = within_limits(arm, q[seen])
+    report("solution not claimed", rows(clear & inside & ~success[seen] & holds), told)
+
+    provable = request.reachable & usable
+    tight = np.zeros(len(q), bool)
+    tight[seen] = (most > 4 * slip) & (most_turn > 4 * turn_slip)
+    false_proof = provable & tight & (status == Status.OUT_OF_REACH)
+    report(
+        "false proof",
+        false_proof,
+        lambda i: f"reached by q {request.made_from[i].tolist()}",
+    )
+
+    size = 1e-9 * (position + slip) + 16 * slip
+    with np.errstate(invalid="ignore"):
+        off = np.abs(result.position_error[seen] - position) > size
+        skewed = (
+            np.abs(result.orientation_error[seen] - orientation)
+            > 1e-7 * orientation + 16 * turn_slip
+        )
+    # Distances that overflow are told as infinite.
+    big = position > 1e150
+    report("error told wrong", rows((off | skewed) & ~big & (orientation < 3.1)), told)
+    faults += _far_turns(request, q, success, starts)
+    return faults
+
+
+def _far_turns(request: Any, q: Array, success: np.ndarray, starts: Array | None) -> list[Fault]:
+    """Solved rows with a joint a whole turn further from the start, or the middle, than need be."""
+    if request.solver_name == "plain":
+        return []
+    arm = request.arm
+    if starts is None:
+        with np.errstate(invalid="ignore"):
+            near = (arm.lower + arm.upper) / 2
+        # Without limits, or with some on one side alone, zero or the nearest to it.
+        near = np.where(np.isfinite(near), near, 0.0)
+        starts = np.broadcast_to(np.clip(near, arm.lower, arm.upper), q.shape)
+    turns = arm.turns & ~arm.leads
+    faults: list[Fault] = []
+    slack = 1e-9 * (1 + np.abs(q) + np.abs(starts))
+    for way in (-TURN, TURN):
+        other = q + way
+        nearer = np.abs(other - starts) < np.abs(q - starts) - slack
+        fits = (other >= arm.lower + slack) & (other <= arm.upper - slack)
+        far = nearer & fits & turns & success[:, None] & np.isfinite(starts)
+        for row in np.flatnonzero(far.any(axis=1))[:1]:
+            joint = int(np.flatnonzero(far[row])[0])
+            text = (
+                f"joint {joint}: {q[row, joint]!r}, a turn from it is nearer to {starts[row, joint]!r}"
+                f" within {arm.lower[joint]!r}, {arm.upper[joint]!r}"
+            )
+            faults.append(Fault("turn further than need be", int(row), text))
+    return faults[:1]
+
+
+def branches(request: Any, result: Any) -> list[Fault]:
+    """Return what is wrong with the answers of one call of `ik_all`."""
+    arm = request.arm
+    q, valid = np.asarray(result.q), np.asarray(result.valid)
+    status = np.asarray(result.status)
+    faults: list[Fault] = []
+    row, branch = np.nonzero(valid)
+    found = q[row, branch]
+    if not np.isfinite(found).all():
+        faults.append(Fault("not a number", int(row[0]), "a valid branch"))
+        return faults
+    position, orientation = errors(None, "pose", arm.fk(found), request.poses[row])
+    slip, turn_slip = arm.rounding(found)
+    slip = slip + 8 * EPS * np.linalg.norm(request.poses[row, :3, 3], axis=1)
+    wrong = (position > request.position_tolerance * (1 + 1e-9) + slip) | (
+        orientation > request.orientation_tolerance * (1 + 1e-9) + turn_slip
+    )
+    faults += [
+        Fault("false success", int(row[i]), f"branch: {position[i]:.3e} m, {orientation[i]:.3e} rad")
+        for i in np.flatnonzero(wrong)[:3]
+    ]
+    outside = ~within_limits(arm, found)
+    faults += [
+        Fault("limits left", int(row[i]), f"branch {found[i].tolist()}")
+        for i in np.flatnonzero(outside)[:3]
+    ]
+    unlike = (status == Status.CONVERGED) != valid.any(axis=1)
+    faults += [
+        Fault("success and status differ", int(i), f"{status[i]}, {valid[i].tolist()}")
+        for i in np.flatnonzero(unlike)[:3]
+    ]
+    starts = request.starts()
+    usable = _finite(request)
+    if starts is not None:
+        usable &= np.isfinite(starts).all(axis=1)
+    at = arm.rounding(request.made_from)
+    tight = (request.position_tolerance > 4 * at[0]) & (request.orientation_tolerance > 4 * at[1])
+    false_proof = request.reachable & usable & tight & (status == Status.OUT_OF_REACH)
+    faults += [
+        Fault("false proof", int(i), f"reached by q {request.made_from[i].tolist()}")
+        for i in np.flatnonzero(false_proof)[:3]
+    ]
+    return faults
+
+
+def same(first: Any, second: Any, fields: tuple[str, ...] = FIELDS) -> np.ndarray:
+    """Rows of two results, each (m, ...), that have the same bits."""
+    equal: np.ndarray | None = None
+    for name in fields:
+        one, other = (_bits(getattr(result, name)) for result in (first, second))
+        agrees = (one == other).reshape(len(one), -1).all(axis=1)
+        equal = agrees if equal is None else equal & agrees
+    assert equal is not None
+    return equal
+
+
+def _bits(values: Any) -> np.ndarray:
+    array = np.ascontiguousarray(values)
+    return array.view(np.uint8).reshape(*array.shape, array.itemsize)
+
+
+def _points(request: Any) -> Array:
+    return np.nan_to_num(request.poses[:, :3, 3])
+
+
+def _finite(request: Any) -> np.ndarray:
+    return np.isfinite(request.targets).reshape(request.rows, -1).all(axis=1)
