@@ -100,12 +100,14 @@ class Summary:
 
     def table(self) -> str:
         lines = ["", self.line(), ""]
-        lines.append(f"{'solver, task':32} {'rows':>12} {'reachable':>12} {'solved':>10} {'us/row':>9}")
+        lines.append(
+            f"{'solver, task':32} {'rows':>12} {'reachable':>12} {'solved':>10} {'us/row':>9}"
+        )
         for name, (rows, reachable, solved, seconds) in sorted(self.tally.items()):
             share = f"{100 * solved / reachable:.3f} %" if reachable else "-"
             each = 1e6 * seconds / max(rows, 1)
             lines.append(f"{name:32} {rows:12,.0f} {reachable:12,.0f} {share:>10} {each:9.1f}")
-        for title in ("arms", "family", "status", "refused", "refused arm", "solver() refused"):
+        for title in ("arms", "family", "status", "refused", "refused arm"):
             parts = [
                 f"{name.removeprefix(title + ': ')} {number:,}"
                 for name, number in sorted(self.counts.items())

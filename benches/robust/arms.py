@@ -100,9 +100,7 @@ class Place:
     mimic: tuple[str, float, float] | None = None
 
 
-def from_places(
-    places: Sequence[Place], tool: Array, base: Array, kind: str, scale: float
-) -> Arm:
+def from_places(places: Sequence[Place], tool: Array, base: Array, kind: str, scale: float) -> Arm:
     """Make an arm of URDF joints; tool and base are given to the library as matrices."""
     joints = []
     for i, place in enumerate(places):
@@ -174,9 +172,13 @@ def from_dh(
         along = transform(rotation((0, 0, 1), theta), (0.0, 0.0, d))
         across = transform(rotation((1, 0, 0), alpha), (a, 0.0, 0.0))
         # The joint moves along and about z, as what `along` does: their order does not matter.
-        first, then = (np.eye(4), along @ across) if convention == "standard" else (
-            across @ along,
-            np.eye(4),
+        first, then = (
+            (np.eye(4), along @ across)
+            if convention == "standard"
+            else (
+                across @ along,
+                np.eye(4),
+            )
         )
         before = before @ first
         if kinds[i] != "fixed":
@@ -365,14 +367,14 @@ def ur_like(rng: np.random.Generator, scale: float, kind: str) -> Arm:
 
 def gantry(rng: np.random.Generator, scale: float, kind: str) -> Arm:
     """Three crossed slides of any travel, in metres or millimetres, with or without a wrist."""
-    travel = 10.0 ** rng.uniform(-3, 4, 3) if rng.random() < 0.5 else np.full(
-        3, 10.0 ** rng.uniform(-3, 4)
+    travel = (
+        10.0 ** rng.uniform(-3, 4, 3)
+        if rng.random() < 0.5
+        else np.full(3, 10.0 ** rng.uniform(-3, 4))
     )
     about = "usual" if rng.random() < 0.7 else regime(rng)
     order = rng.permutation(3)
-    places = [
-        Place(PRISMATIC, axis=np.eye(3)[k].tolist()) for k in order
-    ]
+    places = [Place(PRISMATIC, axis=np.eye(3)[k].tolist()) for k in order]
     for place, most in zip(places, travel, strict=True):
         place.lower, place.upper = limits(rng, about, PRISMATIC, float(most))
     wrist = int(rng.integers(0, 4))

@@ -7,7 +7,8 @@ a joint at 1e16 rad is where its double says.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -45,7 +46,7 @@ class Arm:
     """What kind of arm it is, for tables."""
     scale: float = 1.0
     """A typical length, m."""
-    order: tuple[str, ...] = field(default=())
+    order: tuple[str, ...] = ()
     """Names of the variables where they are not in physical order."""
 
     @cached_property
@@ -98,13 +99,22 @@ class Arm:
         parts = [joint.before[:3, 3] for joint in self.joints] + [self.end[:3, 3]]
         return float(sum(np.linalg.norm(part) for part in parts))
 
+    @property
+    def widest(self) -> float:
+        """The largest finite limit of a joint that turns, rad."""
+        ends = np.abs(np.concatenate([self.lower[self.turns], self.upper[self.turns]]))
+        return float(np.max(ends[np.isfinite(ends)], initial=0.0))
+
     def with_tool(self, tool: Array | None) -> Arm:
         """Return the arm with a frame behind its tool."""
-        if tool is None:
-            return self
-        return Arm(
-            self.name, self.joints, self.end @ tool, self.code, self.kind, self.scale, self.order
-        )
+        return self if tool is None else replace(self, end=self.end @ tool)
+
+    def ordered(self, names: Sequence[str]) -> Arm:
+        """Return the arm with its variables in another order: that of a robot's `joint_names`."""
+        own = sorted(joint.name for joint in self.joints if joint.mimic is None)
+        if sorted(names) != own:
+            raise ValueError(f"variables are {own}, not {sorted(names)}")
+        return replace(self, order=tuple(names))
 
     def values(self, q: Array) -> list[Array]:
         """Return the value of every joint, followers too, each of shape q.shape[:-1]."""
@@ -150,8 +160,8 @@ class Arm:
                 angles += size if joint.kind != "prismatic" else 0.0
                 slides += size if joint.kind == "prismatic" else 0.0
         steps = len(self.joints) + 2
-        turn = 4 * EPS * (steps + angles)
-        return (self.length + slides) * turn + 4 * EPS * steps * slides, turn
+        turn = 8 * EPS * (steps + angles)
+        return (self.length + slides) * turn, turn
 
 
 def rotations(axis: Array, angle: Array) -> Array:

@@ -25,7 +25,7 @@ class Fault:
 
 
 def errors(task: Any, task_name: str, reached: Array, wanted: Array) -> tuple[Array, Array]:
-    """Position errors (m) and orientation errors (rad), each (m,), that a task's tolerances mean."""
+    """Errors that a task's tolerances mean: of position (m) and orientation (rad), each (m,)."""
     off = reached[:, :3, 3] - wanted[:, :3, 3]
     if task_name == "position":
         return np.linalg.norm(off, axis=1), np.zeros(len(off))
@@ -72,7 +72,9 @@ def answers(request: Any, result: Any) -> list[Fault]:
     starts = request.starts()
     bad = ~_finite(request)
     given_bad = bad if starts is None else bad | ~np.isfinite(starts).all(axis=1)
-    unknown = given_bad & (status != Status.BAD_INPUT)
+    needed = _finite(request, all_parts=False)
+    certain = ~needed if starts is None else ~needed | ~np.isfinite(starts).all(axis=1)
+    unknown = certain & (status != Status.BAD_INPUT)
     report("bad input not told", unknown, lambda i: f"status {Status(status[i]).name}")
     # Numbers that no arm has may be refused as well, by one stated range.
     sane = np.abs(_points(request)).max(axis=1, initial=0) < 1e12 * max(arm.scale, 1)
@@ -115,9 +117,9 @@ def answers(request: Any, result: Any) -> list[Fault]:
     def told(i: int) -> str:
         at = int(np.searchsorted(seen, i))
         return (
-            f"{Status(status[i]).name}; errors {position[at]:.3e} m, {orientation[at]:.3e} rad, told "
-            f"{result.position_error[i]:.3e} m, {result.orientation_error[i]:.3e} rad; tolerances "
-            f"{most:.3g} m, {most_turn:.3g} rad"
+            f"{Status(status[i]).name}; errors {position[at]:.3e} m, {orientation[at]:.3e} rad, "
+            f"told {result.position_error[i]:.3e} m, {result.orientation_error[i]:.3e} rad; "
+            f"tolerances {most:.3g} m, {most_turn:.3g} rad"
         )
 
     def rows(flags: np.ndarray) -> np.ndarray:
@@ -174,9 +176,11 @@ def _far_turns(request: Any, q: Array, success: np.ndarray, starts: Array | None
         far = nearer & fits & turns & success[:, None] & np.isfinite(starts)
         for row in np.flatnonzero(far.any(axis=1))[:1]:
             joint = int(np.flatnonzero(far[row])[0])
+            value, start = float(q[row, joint]), float(starts[row, joint])
+            low, high = float(arm.lower[joint]), float(arm.upper[joint])
             text = (
-                f"joint {joint}: {q[row, joint]!r}, a turn from it is nearer to {starts[row, joint]!r}"
-                f" within {arm.lower[joint]!r}, {arm.upper[joint]!r}"
+                f"joint {joint}: {value!r}, a turn from it is nearer to {start!r} "
+                f"and within {low!r} to {high!r}"
             )
             faults.append(Fault("turn further than need be", int(row), text))
     return faults[:1]
@@ -200,7 +204,9 @@ def branches(request: Any, result: Any) -> list[Fault]:
         orientation > request.orientation_tolerance * (1 + 1e-9) + turn_slip
     )
     faults += [
-        Fault("false success", int(row[i]), f"branch: {position[i]:.3e} m, {orientation[i]:.3e} rad")
+        Fault(
+            "false success", int(row[i]), f"branch: {position[i]:.3e} m, {orientation[i]:.3e} rad"
+        )
         for i in np.flatnonzero(wrong)[:3]
     ]
     outside = ~within_limits(arm, found)
@@ -247,5 +253,12 @@ def _points(request: Any) -> Array:
     return np.nan_to_num(request.poses[:, :3, 3])
 
 
-def _finite(request: Any) -> np.ndarray:
-    return np.isfinite(request.targets).reshape(request.rows, -1).all(axis=1)
+def _finite(request: Any, all_parts: bool = True) -> np.ndarray:
+    """Rows of finite numbers: in the whole target, or in the parts that the task is about."""
+    targets = request.targets
+    turns_matter = request.task_name in ("pose", "masked") or (
+        request.task_name == "axis" and request.task.direction is None
+    )
+    if not all_parts and targets.ndim == 3 and not turns_matter:
+        targets = targets[:, :3, 3]
+    return np.isfinite(targets).reshape(request.rows, -1).all(axis=1)

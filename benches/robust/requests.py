@@ -123,9 +123,7 @@ def draw(arm: Arm, family: str | None, rng: np.random.Generator) -> Request:
         q0=_starts(arm, made_from, rng),
         options=_options(name, arm, tool, rng),
     )
-    wants_points = task_name == "position" or (
-        task_name == "axis" and task.direction is not None
-    )
+    wants_points = task_name == "position" or (task_name == "axis" and task.direction is not None)
     if wants_points and rng.random() < 0.7:
         request.targets = np.ascontiguousarray(poses[:, :3, 3])
     if task_name == "axis" and task.direction is not None:
@@ -219,9 +217,7 @@ def _solver(name: str, arm: Arm, rng: np.random.Generator) -> Any:
         "start_weight": float(rng.choice([0.0, 0.1])),
     }
     made: dict[str, Callable[[], Any]] = {
-        "lm": lambda: solvers.LevenbergMarquardt(
-            damping=float(10.0 ** rng.uniform(-3, 1)), **step
-        ),
+        "lm": lambda: solvers.LevenbergMarquardt(damping=float(10.0 ** rng.uniform(-3, 1)), **step),
         "dls": lambda: solvers.DampedLeastSquares(
             damping=float(10.0 ** rng.uniform(-4, 0)), **step
         ),
@@ -321,6 +317,13 @@ def _refusal(request: Request, family: str | None) -> str:
         request.task_name == "axis" or getattr(task, "frame", "base") == "tool"
     ):
         return "feedback laws are for positions, poses and base-frame masks"
+    searches = solvers.DifferentialEvolution | solvers.GeneticAlgorithm
+    if (
+        isinstance(solver, searches)
+        and solver.orientation == "euler-zyz"
+        and (request.task_name in ("axis", "masked"))
+    ):
+        return "Euler angles are for full orientations"
     if isinstance(solver, solvers.ClosedForm) and solver.arm_angle is not None:
         return "" if family == "S-R-S" else "only S-R-S arms have an arm angle"
     return ""

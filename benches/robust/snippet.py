@@ -32,9 +32,7 @@ def snippet(arm: Arm, request: Request | None = None, row: int = 0) -> str:
     given.pop("threads", None)
     named = {key: _written(value) for key, value in given.items()}
     arguments = ", ".join(["target", *(f"{key}={value}" for key, value in named.items())])
-    lines.append(
-        f"r = arm.{BRANCHES if request.solver_name == BRANCHES else 'ik'}({arguments})"
-    )
+    lines.append(f"r = arm.{BRANCHES if request.solver_name == BRANCHES else 'ik'}({arguments})")
     if request.solver_name == BRANCHES:
         lines.append("print(ik.Status(r.status).name, r.valid, r.q)")
     else:

@@ -29,6 +29,4 @@ def main(seed: int, noise: Path) -> None:
             os.truncate(noise, 0)
             if "panicked at" in text:
                 outcome.add("panic", text[:600], number, "", "")
-        reply(
-            done=number, counts=outcome.counts, tally=outcome.tally, faults=outcome.faults
-        )
+        reply(done=number, counts=outcome.counts, tally=outcome.tally, faults=outcome.faults)
