@@ -4,11 +4,11 @@
     python benches/fuzz_arms.py --minutes 2
     python benches/fuzz_arms.py --seed 3 --case 1234     # one case again, in this process
 
-Forward kinematics of its own judge every answer: no success that is none, no proof that is wrong, no
-limit left, no NaN, no exception that is not documented, and the same bits for a batch, its pieces,
-its rows alone, any number of threads and a solver object. Processes do the work; one that hangs or
-dies is found out, and the case it did is named. Everything follows from the seed and the number of
-the case. Exit status 1 if a promise was broken.
+Forward kinematics of its own judge every answer: no success that is none, no proof that is wrong,
+no limit left, no NaN, no exception that is not documented, and the same bits for a batch, its
+pieces, its rows alone, any number of threads and a solver object. Processes do the work; one that
+hangs or dies is found out, and the case it did is named. Everything follows from the seed and the
+number of the case. Exit status 1 if a promise was broken.
 """
 
 from __future__ import annotations

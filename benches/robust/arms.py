@@ -7,7 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .chain import Arm, Array, Joint, from_rpy, random_rotation, rotation, transform
+from .chain import (
+    Arm,
+    Array,
+    Joint,
+    from_rpy,
+    random_rotation,
+    rotation,
+    to_rpy,
+    transform,
+)
 
 REVOLUTE, CONTINUOUS, PRISMATIC = "revolute", "continuous", "prismatic"
 SCALES = (1e-3, 1e-2, 0.1, 1.0, 1.0, 1.0, 1.0, 10.0, 1e3)
@@ -199,6 +208,50 @@ def from_dh(
 
 def _list(pairs: list[list[float]]) -> str:
     return repr(pairs).replace("inf", 'float("inf")')
+
+
+def changed(
+    arm: Arm,
+    factor: float = 1.0,
+    free: float | None = None,
+    rail: float | None = None,
+    tool: float | None = None,
+) -> Arm:
+    """Return an arm like another one, to be built by the library.
+
+    Parameters
+    ----------
+    arm : Arm
+        The other one.
+    factor : float
+        By which all lengths are multiplied.
+    free : float, optional
+        Limits of all joints that turn become plus and minus this, rad; infinity: continuous.
+    rail : float, optional
+        Travel of a rail below the arm, m.
+    tool : float, optional
+        Length of a rod on the tool, along its z, m.
+    """
+    named = {joint.name: f"j{i + (rail is not None)}" for i, joint in enumerate(arm.joints)}
+    places = [] if rail is None else [Place(PRISMATIC, axis=(0.0, 1.0, 0.0), lower=0.0, upper=rail)]
+    for joint in arm.joints:
+        place = place_of(joint)
+        place.xyz = (factor * joint.before[:3, 3]).tolist()
+        if joint.kind == PRISMATIC:
+            place.lower, place.upper = factor * joint.lower, factor * joint.upper
+        elif free is not None:
+            place.kind = CONTINUOUS if np.isinf(free) else REVOLUTE
+            place.lower, place.upper = -free, free
+        if joint.mimic is not None:
+            source, multiplier, offset = joint.mimic
+            offset *= factor if joint.kind == PRISMATIC else 1.0
+            place.mimic = (named[source], multiplier, offset)
+        places.append(place)
+    end = arm.end.copy()
+    end[:3, 3] *= factor
+    if tool is not None:
+        end = end @ transform(None, (0.0, 0.0, tool))
+    return from_places(places, end, np.eye(4), arm.name, factor * arm.scale)
 
 
 # ---- parts ---------------------------------------------------------------------------------------
@@ -396,7 +449,7 @@ def on_rail(rng: np.random.Generator, scale: float, kind: str) -> Arm:
     axis = np.eye(3)[rng.integers(3)]
     low, high = limits(rng, "usual" if rng.random() < 0.7 else "far out", PRISMATIC, length)
     place = Place(PRISMATIC, axis=axis.tolist(), lower=low, upper=high)
-    places = [place, *(_place(joint) for joint in carried.joints)]
+    places = [place, *(place_of(joint) for joint in carried.joints)]
     return from_places(places, carried.end, np.eye(4), kind, scale)
 
 
@@ -411,19 +464,15 @@ def mobile(rng: np.random.Generator, scale: float, kind: str) -> Arm:
     if rng.random() < 0.5:
         places[0] = Place(PRISMATIC, axis=(0.0, 1.0, 0.0), lower=-most, upper=most)
         places.append(Place(CONTINUOUS))
-    places += [_place(joint) for joint in carried.joints]
+    places += [place_of(joint) for joint in carried.joints]
     return from_places(places, carried.end, np.eye(4), kind, scale)
 
 
-def _place(joint: Joint) -> Place:
-    """A joint of an arm that was drawn, to stand on something else; its frame only nearly so."""
-    turn = joint.before[:3, :3]
-    pitch = float(np.arctan2(-turn[2, 0], np.hypot(turn[0, 0], turn[1, 0])))
-    roll = float(np.arctan2(turn[2, 1], turn[2, 2]))
-    yaw = float(np.arctan2(turn[1, 0], turn[0, 0]))
-    point = joint.before[:3, 3].tolist()
-    axis, ends = joint.axis.tolist(), (joint.lower, joint.upper)
-    return Place(joint.kind, point, (roll, pitch, yaw), axis, *ends)
+def place_of(joint: Joint) -> Place:
+    """A joint of an arm that was drawn, to stand on something else."""
+    point, axis = joint.before[:3, 3].tolist(), joint.axis.tolist()
+    rpy = to_rpy(joint.before[:3, :3])
+    return Place(joint.kind, point, rpy, axis, joint.lower, joint.upper)
 
 
 def palletiser(rng: np.random.Generator, scale: float, kind: str) -> Arm:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import pickle
 import time
 import warnings
@@ -214,7 +215,7 @@ class _Asked:
             self._agree(result, anew, slice(None), fields, "a robot made anew")
         if rows > 1 and rng.random() < 0.5:
             cuts = [0, *np.sort(rng.integers(0, rows + 1, 2)).tolist(), rows]
-            for begin, end in zip(cuts, cuts[1:], strict=False):
+            for begin, end in itertools.pairwise(cuts):
                 if end > begin:
                     piece = self._call(request.piece(begin, end)(threads=1))
                     place = f"rows {begin} to {end} of {rows}"

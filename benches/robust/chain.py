@@ -201,6 +201,16 @@ def from_rpy(rpy: ArrayLike) -> Array:
     return rotation((0, 0, 1), yaw) @ about_y @ rotation((1, 0, 0), roll)
 
 
+def to_rpy(turn: Array) -> tuple[float, float, float]:
+    """Roll, pitch, yaw (rad) of a rotation; with roll alone where pitch is a right angle."""
+    level = float(np.hypot(turn[0, 0], turn[1, 0]))
+    pitch = float(np.arctan2(-turn[2, 0], level))
+    if level < 1e-12:
+        return float(np.arctan2(np.sign(pitch) * turn[0, 1], turn[1, 1])), pitch, 0.0
+    roll = float(np.arctan2(turn[2, 1], turn[2, 2]))
+    return roll, pitch, float(np.arctan2(turn[1, 0], turn[0, 0]))
+
+
 def random_rotation(rng: np.random.Generator) -> Array:
     """A rotation drawn evenly."""
     w, x, y, z = unit(rng.normal(size=4))

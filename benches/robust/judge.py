@@ -60,14 +60,14 @@ def within_limits(arm: Arm, q: Array) -> np.ndarray:
     return ((q >= arm.lower - slack) & (q <= arm.upper + slack)).all(axis=1)
 
 
-def answers(request: Any, result: Any) -> list[Fault]:
-    """Return what is wrong with the answers of one call of `ik`."""
+def answers(request: Any, result: Any, most: int | None = 3) -> list[Fault]:
+    """Return what is wrong with the answers of one call of `ik`: `most` rows of each kind."""
     arm, q = request.arm, np.asarray(result.q)
     status, success = np.asarray(result.status), np.asarray(result.success)
     faults: list[Fault] = []
 
     def report(kind: str, wrong: np.ndarray, text: Any) -> None:
-        faults.extend(Fault(kind, int(row), text(row)) for row in np.flatnonzero(wrong)[:3])
+        faults.extend(Fault(kind, int(row), text(row)) for row in np.flatnonzero(wrong)[:most])
 
     starts = request.starts()
     bad = ~_finite(request)
@@ -105,13 +105,13 @@ def answers(request: Any, result: Any) -> list[Fault]:
     )
     slip, turn_slip = arm.rounding(q[seen])
     slip = slip + 8 * EPS * np.linalg.norm(request.poses[seen, :3, 3], axis=1)
-    most, most_turn = request.position_tolerance, request.orientation_tolerance
-    holds = (position <= most) & (orientation <= most_turn)
-    clear = (position <= most * (1 - 1e-9) - slip) & (
-        (orientation <= most_turn * (1 - 1e-9) - turn_slip) | (orientation == 0)
+    near, near_turn = request.position_tolerance, request.orientation_tolerance
+    holds = (position <= near) & (orientation <= near_turn)
+    clear = (position <= near * (1 - 1e-9) - slip) & (
+        (orientation <= near_turn * (1 - 1e-9) - turn_slip) | (orientation == 0)
     )
-    breaks = (position > most * (1 + 1e-9) + slip) | (
-        orientation > most_turn * (1 + 1e-9) + turn_slip
+    breaks = (position > near * (1 + 1e-9) + slip) | (
+        orientation > near_turn * (1 + 1e-9) + turn_slip
     )
 
     def told(i: int) -> str:
@@ -119,7 +119,7 @@ def answers(request: Any, result: Any) -> list[Fault]:
         return (
             f"{Status(status[i]).name}; errors {position[at]:.3e} m, {orientation[at]:.3e} rad, "
             f"told {result.position_error[i]:.3e} m, {result.orientation_error[i]:.3e} rad; "
-            f"tolerances {most:.3g} m, {most_turn:.3g} rad"
+            f"tolerances {near:.3g} m, {near_turn:.3g} rad"
         )
 
     def rows(flags: np.ndarray) -> np.ndarray:
@@ -133,7 +133,7 @@ def answers(request: Any, result: Any) -> list[Fault]:
 
     provable = request.reachable & usable
     tight = np.zeros(len(q), bool)
-    tight[seen] = (most > 4 * slip) & (most_turn > 4 * turn_slip)
+    tight[seen] = (near > 4 * slip) & (near_turn > 4 * turn_slip)
     false_proof = provable & tight & (status == Status.OUT_OF_REACH)
     report(
         "false proof",
