@@ -127,7 +127,7 @@ def _gantries(options: argparse.Namespace) -> Iterator[Measured]:
             tool = arms.transform(None, (0.0, 0.0, hand if wrist else 0.0))
             name = f"3 slides, {wrist} turning"
             arm = arms.from_places([*slides, *turns], tool, np.eye(4), name, travel)
-            yield from _each(_pair(arm), "random", _share(options, 10), f"{travel:g}")
+            yield from _each(_pair(arm), "random", _share(options, 10), f"{travel:g} m")
 
 
 def _free(options: argparse.Namespace) -> Iterator[Measured]:

@@ -141,49 +141,51 @@ def answers(request: Any, result: Any, most: int | None = 3) -> list[Fault]:
         lambda i: f"reached by q {request.made_from[i].tolist()}",
     )
 
-    size = 1e-9 * (position + slip) + 16 * slip
+    # What is told may be off by rounding, never by what matters beside the tolerances.
     with np.errstate(invalid="ignore"):
-        off = np.abs(result.position_error[seen] - position) > size
-        skewed = (
-            np.abs(result.orientation_error[seen] - orientation)
-            > 1e-7 * orientation + 16 * turn_slip
-        )
+        off = np.abs(result.position_error[seen] - position)
+        off = off > 1e-6 * position + 1e-3 * near + 16 * slip
+        skewed = np.abs(result.orientation_error[seen] - orientation)
+        skewed = skewed > 1e-6 * orientation + 1e-3 * near_turn + 16 * turn_slip
     # Distances that overflow are told as infinite.
     big = position > 1e150
     report("error told wrong", rows((off | skewed) & ~big & (orientation < 3.1)), told)
-    faults += _far_turns(request, q, success, starts)
+    far, told_far = _far_turns(request, q, success, starts)
+    report("turn further than need be", far, told_far)
     return faults
 
 
-def _far_turns(request: Any, q: Array, success: np.ndarray, starts: Array | None) -> list[Fault]:
-    """Solved rows with a joint a whole turn further from the start, or the middle, than need be."""
-    if request.solver_name == "plain":
-        return []
+def _far_turns(
+    request: Any, q: Array, success: np.ndarray, starts: Array | None
+) -> tuple[np.ndarray, Any]:
+    """Solved rows with a joint a whole turn further from the start, or the middle, than need be.
+
+    The middle is that of the limits; zero, or what is nearest to it, where one of them is missing.
+    """
     arm = request.arm
     if starts is None:
         with np.errstate(invalid="ignore"):
-            near = (arm.lower + arm.upper) / 2
-        # Without limits, or with some on one side alone, zero or the nearest to it.
-        near = np.where(np.isfinite(near), near, 0.0)
-        starts = np.broadcast_to(np.clip(near, arm.lower, arm.upper), q.shape)
-    turns = arm.turns & ~arm.leads
-    faults: list[Fault] = []
+            middle = (arm.lower + arm.upper) / 2
+        middle = np.clip(np.where(np.isfinite(middle), middle, 0.0), arm.lower, arm.upper)
+        starts = np.broadcast_to(middle, q.shape)
+    # A turn of a joint that others follow is another posture.
+    may_turn = arm.turns & ~arm.leads & success[:, None] & np.isfinite(starts)
     slack = 1e-9 * (1 + np.abs(q) + np.abs(starts))
-    for way in (-TURN, TURN):
-        other = q + way
+    far = np.zeros(q.shape, bool)
+    for turn in (-TURN, TURN):
+        other = q + turn
         nearer = np.abs(other - starts) < np.abs(q - starts) - slack
-        fits = (other >= arm.lower + slack) & (other <= arm.upper - slack)
-        far = nearer & fits & turns & success[:, None] & np.isfinite(starts)
-        for row in np.flatnonzero(far.any(axis=1))[:1]:
-            joint = int(np.flatnonzero(far[row])[0])
-            value, start = float(q[row, joint]), float(starts[row, joint])
-            low, high = float(arm.lower[joint]), float(arm.upper[joint])
-            text = (
-                f"joint {joint}: {value!r}, a turn from it is nearer to {start!r} "
-                f"and within {low!r} to {high!r}"
-            )
-            faults.append(Fault("turn further than need be", int(row), text))
-    return faults[:1]
+        far |= nearer & (other >= arm.lower + slack) & (other <= arm.upper - slack) & may_turn
+
+    def told(row: int) -> str:
+        joint = int(np.flatnonzero(far[row])[0])
+        value, start = float(q[row, joint]), float(starts[row, joint])
+        return (
+            f"joint {joint}: {value!r}, a turn from it is nearer to {start!r} and within "
+            f"{float(arm.lower[joint])!r} to {float(arm.upper[joint])!r}"
+        )
+
+    return far.any(axis=1), told
 
 
 def branches(request: Any, result: Any) -> list[Fault]:

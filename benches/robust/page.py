@@ -124,61 +124,58 @@ CLAIMS = ["false successes", "false proofs", "other"]
 
 
 def _by_arm(measured: Sequence[Measured]) -> list[str]:
-    """One line an arm: share and time of every task and solver, claims of all together."""
-    columns = list(dict.fromkeys((e.task, e.solver) for e in measured))
-    head = ["arm", "targets each"]
-    for task, solver in columns:
-        head += [f"{task} `{solver}`", "us"]
-    rows = []
-    for arm, group in groupby(measured, key=lambda e: e.arm):
-        each = list(group)
-        cells = [arm, f"{each[0].rows:,}"]
-        for column in columns:
-            found = [e for e in each if (e.task, e.solver) == column]
-            cells += [percent(found[0].share), _number(found[0].median_us)] if found else ["-", "-"]
-        rows.append([*cells, *_claims(each)])
-    return _table([*head, *CLAIMS], rows)
+    """One line an arm."""
+    return _compact(measured, ("arm",), {"": _solved, "us": _time})
 
 
 def _by_kind(measured: Sequence[Measured]) -> list[str]:
     """One line an arm and kind."""
-    columns = list(dict.fromkeys((e.task, e.solver) for e in measured))
-    head = ["arm", "kind", "targets each"]
-    for task, solver in columns:
-        head += [f"{task} `{solver}`", "us"]
-    rows = []
-    for (arm, kind), group in groupby(measured, key=lambda e: (e.arm, e.kind)):
-        each = list(group)
-        cells = [arm, kind, f"{each[0].rows:,}"]
-        for column in columns:
-            found = [e for e in each if (e.task, e.solver) == column]
-            cells += [percent(found[0].share), _number(found[0].median_us)] if found else ["-", "-"]
-        rows.append([*cells, *_claims(each)])
-    return _table([*head, *CLAIMS], rows)
+    return _compact(measured, ("arm", "kind"), {"": _solved, "us": _time})
 
 
-def _scaled(measured: Sequence[Measured]) -> list[str]:
-    head = ["arm", "task", "solver", "kind", "solved", "steps a target", "us", *CLAIMS]
-    rows = [
-        [
-            e.arm, e.task, f"`{e.solver}`", e.kind, percent(e.share), f"{e.iterations:.2f}",
-            _number(e.median_us), *_claims([e]),
-        ]
-        for e in measured
-    ]  # fmt: skip
-    return _table(head, rows)
+def _with_steps(measured: Sequence[Measured]) -> list[str]:
+    return _compact(measured, ("arm", "kind"), {"": _solved, "steps": _steps})
 
 
 def _beyond(measured: Sequence[Measured]) -> list[str]:
-    head = ["arm", "targets", "task", "solver", "told `OUT_OF_REACH`", "claimed", "us", *CLAIMS]
-    rows = [
-        [
-            e.arm, f"{e.rows:,}", e.task, f"`{e.solver}`", percent(e.out_of_reach / e.rows),
-            f"{e.solved:,}", _number(e.median_us), *_claims([e]),
-        ]
-        for e in measured
-    ]  # fmt: skip
-    return _table(head, rows)
+    return _compact(measured, ("arm",), {"": _proven, "us": _time})
+
+
+def _compact(
+    measured: Sequence[Measured],
+    keys: Sequence[str],
+    cells: dict[str, Callable[[Measured], str]],
+) -> list[str]:
+    """One line for all tasks and solvers of what `keys` tell apart, `cells` for each of them."""
+    columns = list(dict.fromkeys((e.task, e.solver) for e in measured))
+    head = [*keys, "targets each"]
+    for task, solver in columns:
+        head += [word or f"{task} `{solver}`" for word in cells]
+    rows = []
+    for key, group in groupby(measured, key=lambda e: [getattr(e, name) for name in keys]):
+        each = list(group)
+        line = [*key, f"{each[0].rows:,}"]
+        by_column = {(e.task, e.solver): e for e in each}
+        for column in columns:
+            line += [make(by_column[column]) for make in cells.values()]
+        rows.append([*line, *_claims(each)])
+    return _table([*head, *CLAIMS], rows)
+
+
+def _solved(each: Measured) -> str:
+    return percent(each.share)
+
+
+def _proven(each: Measured) -> str:
+    return percent(each.out_of_reach / each.rows)
+
+
+def _steps(each: Measured) -> str:
+    return _number(each.iterations)
+
+
+def _time(each: Measured) -> str:
+    return _number(each.median_us)
 
 
 def _number(value: float) -> str:
@@ -209,23 +206,26 @@ SECTIONS: list[tuple[str, str, Maker]] = [
     (
         "Scale, tools and rails",
         "Random postures of bundled arms: all lengths and the position tolerance multiplied by a "
-        "factor, a rod on the tool, or the arm on a rail that is part of it.",
-        _scaled,
+        "factor, a rod on the tool, or the arm on a rail that is part of it. Steps are those of a "
+        "target on average, over all its attempts.",
+        _with_steps,
     ),
     (
         "Gantries",
-        "Three crossed slides with as many turning joints as named, of one travel in metres.",
-        _scaled,
+        "Three crossed slides of one travel, from 1 mm to 10 km, with as many turning joints as "
+        "named. All of the targets have to be solved.",
+        _with_steps,
     ),
     (
         "No limits",
         "Joints that turn freely (continuous), or whose file writes large numbers for that; a "
         "cart's slides with limits of +-999999 m. Targets are within three metres.",
-        _scaled,
+        _with_steps,
     ),
     (
         "Out of reach",
-        "Points beyond all lengths and slides added up, on up to three times the distance.",
+        "Points beyond all lengths and slides added up, on up to three times the distance: the "
+        "share that is told `OUT_OF_REACH`.",
         _beyond,
     ),
 ]
