@@ -8,7 +8,7 @@ import time
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -96,7 +96,8 @@ def _same_arm(
     ours, theirs = arm.fk(q), robot.fk(q)
     slip, turn_slip = arm.rounding(q)
     off = np.abs(ours - theirs)
-    wrong = (off[:, :3, 3].max(axis=1) > 8 * slip) | (
+    # Offsets below 1e-12 of the arm may be left out.
+    wrong = (off[:, :3, 3].max(axis=1) > 8 * slip + 2e-12 * arm.length) | (
         off[:, :3, :3].max(axis=(1, 2)) > 8 * turn_slip
     )
     for row in np.flatnonzero(wrong)[:1]:
@@ -225,6 +226,68 @@ class _Asked:
             self._agree(result, alone, slice(row, row + 1), fields, f"row {row} alone")
         if isinstance(request.solver, str | ik.solvers.LevenbergMarquardt):
             self._loop()
+        if request.solver_name != requests.BRANCHES and rng.random() < 0.2:
+            self._stream(result)
+        if request.solver == "lm" and request.task_name != "masked" and rng.random() < 0.5:
+            self._follow()
+
+    def _stream(self, result: Any) -> None:
+        """Compare `Robot.ik_stream`, whose start values are the same for all targets."""
+        request = self.request
+        if request.q0 is not None and request.q0.ndim == 2:
+            return
+        given = request.piece(0, request.rows)()
+        targets = given.pop("targets")
+        self.say(f"{self.place}, ik_stream")
+        self.outcome.counts["calls"] += 1
+        try:
+            for at, part in zip(
+                np.array_split(np.arange(request.rows), 3),
+                self.robot.ik_stream(np.array_split(targets, 3), **given),
+                strict=True,
+            ):
+                if len(at):
+                    rows = slice(int(at[0]), int(at[-1]) + 1)
+                    self._agree(result, part, rows, judge.FIELDS, "ik_stream")
+        except BaseException as error:
+            _reraise(error)
+            self._add("exception", 0, f"ik_stream: {_named(error)}")
+
+    def _follow(self) -> None:
+        """Follow some of the targets: what is told as reached is, and jumps are told."""
+        request = self.request
+        part = replace(
+            request,
+            solver_name="follow",
+            targets=request.targets[:12],
+            poses=request.poses[:12],
+            reachable=np.zeros(min(request.rows, 12), bool),
+            made_from=request.made_from[:12],
+            q0=None,
+        )
+        options = {k: v for k, v in request.options.items() if k != "first_index"}
+        stands = np.clip(request.made_from[0], self.robot.lower, self.robot.upper)
+        step = float(self.rng.choice([1e-3, 0.1, 10.0]))
+        self.say(f"{self.place}, follow")
+        self.outcome.counts["calls"] += 1
+        try:
+            path = self.robot.follow(part.targets, stands, step, task=request.task, **options)
+        except BaseException as error:
+            _reraise(error)
+            self._add("exception", 0, f"follow: {_named(error)}")
+            return
+        self.outcome.counts["rows"] += part.rows
+        shown = dict.fromkeys(("turn further than need be", "solution not claimed"), True)
+        for fault in judge.answers(part, _Followed(path)):
+            # The way decides which turn it is; a jump may be told instead of a solution.
+            if fault.kind not in shown:
+                self._add(fault.kind, fault.row, f"follow: {fault.text}")
+        steps = np.abs(np.diff(np.vstack([stands, path.q]), axis=0))
+        slack = 4 * judge.EPS * (1 + np.abs(path.q))
+        far = (steps > step + slack).any(axis=1) & ~path.discontinuity & path.success
+        for row in np.flatnonzero(far)[:1]:
+            text = f"follow: step of {steps[row].max()!r}, at most {step}, no discontinuity told"
+            self._add("jump not told", int(row), text)
 
     def _agree(
         self, result: Any, other: Any, rows: slice, fields: tuple[str, ...], how: str
@@ -288,6 +351,14 @@ class _Asked:
     def _add(self, kind: str, row: int, text: str) -> None:
         code = snippet(self.arm, self.request, row)
         self.outcome.add(kind, f"row {row}: {text}", self.number, self.place, code)
+
+
+class _Followed:
+    """A path as the record of `ik`; it does not count restarts."""
+
+    def __init__(self, path: Any) -> None:
+        for name in ("q", "success", "status", "position_error", "orientation_error"):
+            setattr(self, name, np.asarray(getattr(path, name)))
 
 
 class _Part:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
 import queue
 import signal
 import subprocess
@@ -21,7 +23,9 @@ class Worker:
     """One process; its lines come in by a thread, since a process that hangs says nothing."""
 
     def __init__(self, seed: int, replies: queue.Queue[tuple[Worker, dict[str, Any] | None]]):
-        self.noise = Path(tempfile.mkstemp(prefix="fuzz-", suffix=".txt")[1])
+        handle, name = tempfile.mkstemp(prefix="fuzz-", suffix=".txt")
+        os.close(handle)
+        self.noise = Path(name)
         command = [
             sys.executable,
             "-c",
@@ -38,7 +42,8 @@ class Worker:
         self.doing = ""
         self.since = time.monotonic()
         self._replies = replies
-        threading.Thread(target=self._listen, daemon=True).start()
+        self._listener = threading.Thread(target=self._listen, daemon=True)
+        self._listener.start()
 
     def _listen(self) -> None:
         assert self.process.stdout is not None
@@ -56,6 +61,11 @@ class Worker:
         """Kill the process; return the end of what it wrote."""
         self.process.kill()
         self.process.wait()
+        self._listener.join()
+        for pipe in (self.process.stdin, self.process.stdout):
+            if pipe is not None:
+                with contextlib.suppress(BrokenPipeError):
+                    pipe.close()
         text = self.noise.read_text(errors="replace")[-1500:] if self.noise.exists() else ""
         self.noise.unlink(missing_ok=True)
         return text
