@@ -154,7 +154,42 @@ class _Asked:
         check = judge.branches if request.solver_name == requests.BRANCHES else judge.answers
         for fault in check(request, result):
             self._fault(fault)
+        if np.ndim(result.status) == 1:
+            self._disprove(result)
         self._compare(result)
+
+    def _disprove(self, result: Any) -> None:
+        """Look for a solution of what is told to have none: another proof that none was."""
+        request = self.request
+        told = (np.asarray(result.status) == Status.OUT_OF_REACH) & ~request.reachable
+        rows = np.flatnonzero(told)[:30]
+        if not len(rows):
+            return
+        other = replace(
+            request,
+            solver="lm",
+            solver_name="lm",
+            task="pose" if request.solver_name == requests.BRANCHES else request.task,
+            targets=request.targets[rows],
+            poses=request.poses[rows],
+            reachable=request.reachable[rows],
+            made_from=request.made_from[rows],
+            q0=None,
+            options={k: v for k, v in request.options.items() if k != "arm_angle"},
+        )
+        self.say(f"{self.place}, lm on what is out of reach")
+        self.outcome.counts["calls"] += 1
+        self.outcome.counts["proofs tried"] += len(rows)
+        try:
+            found = self.robot.ik(**other.piece(0, len(rows))())
+        except BaseException as error:
+            _reraise(error)
+            self._add("exception", 0, _named(error))
+            return
+        # Not its word but what it found: a posture within limits and tolerances by our own account.
+        for i in np.flatnonzero(judge.solves(other, np.asarray(found.q)))[:1]:
+            text = f"a solution is q {found.q[i].tolist()}"
+            self._add("false proof", int(rows[i]), text)
 
     def _call(self, arguments: dict[str, Any], robot: ik.Robot | None = None) -> Any:
         """Ask the library; None after an exception, which is noted."""

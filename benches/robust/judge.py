@@ -60,6 +60,20 @@ def within_limits(arm: Arm, q: Array) -> np.ndarray:
     return ((q >= arm.lower - slack) & (q <= arm.upper + slack)).all(axis=1)
 
 
+def solves(request: Any, q: Array) -> np.ndarray:
+    """Rows of joint values that solve their target beyond doubt, by our own account."""
+    arm = request.arm
+    finite = np.isfinite(q).all(axis=1) & _finite(request)
+    q = np.where(finite[:, None], q, 0.0)
+    position, orientation = errors(request.task, request.task_name, arm.fk(q), request.poses)
+    slip, turn_slip = arm.rounding(q)
+    slip = slip + 8 * EPS * np.linalg.norm(request.poses[:, :3, 3], axis=1)
+    with np.errstate(invalid="ignore"):
+        near = position <= request.position_tolerance * (1 - 1e-9) - slip
+        near &= orientation <= request.orientation_tolerance * (1 - 1e-9) - turn_slip
+    return finite & near & within_limits(arm, q)
+
+
 def answers(request: Any, result: Any, most: int | None = 3) -> list[Fault]:
     """Return what is wrong with the answers of one call of `ik`: `most` rows of each kind."""
     arm, q = request.arm, np.asarray(result.q)

@@ -121,7 +121,7 @@ def draw(arm: Arm, family: str | None, rng: np.random.Generator) -> Request:
         reachable=reachable,
         made_from=made_from,
         q0=_starts(arm, made_from, rng),
-        options=_options(name, arm, tool, rng),
+        options=_options(name, arm, family, tool, rng),
     )
     wants_points = task_name == "position" or (task_name == "axis" and task.direction is not None)
     if wants_points and rng.random() < 0.7:
@@ -287,7 +287,9 @@ def _starts(arm: Arm, q: Array, rng: np.random.Generator) -> Array | None:
     return starts
 
 
-def _options(name: str, arm: Arm, tool: Array | None, rng: np.random.Generator) -> dict[str, Any]:
+def _options(
+    name: str, arm: Arm, family: str | None, tool: Array | None, rng: np.random.Generator
+) -> dict[str, Any]:
     options: dict[str, Any] = {}
     if tool is not None:
         options["tool"] = tool
@@ -295,6 +297,8 @@ def _options(name: str, arm: Arm, tool: Array | None, rng: np.random.Generator) 
         choices = (1e-3, 1e-9, 1e-6 * arm.scale, 0.01 * arm.scale, 0.3 * arm.scale)
         options["position_tolerance"] = float(rng.choice(choices))
         options["orientation_tolerance"] = float(rng.choice([1e-6, 1e-9, 1e-3, 0.1, 1.0, 4.0]))
+    if name == BRANCHES and family == "S-R-S" and rng.random() < 0.3:
+        options["arm_angle"] = float(rng.uniform(-np.pi, np.pi))
     if name != BRANCHES:
         options["seed"] = int(rng.choice(np.array([0, 1, 7, 2**63], np.uint64)))
         if rng.random() < 0.2:
