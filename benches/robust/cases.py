@@ -60,9 +60,8 @@ def run(seed: int, number: int, say: Say = lambda doing: None) -> Outcome:
         Told before each call into the library what it is.
     """
     warnings.simplefilter("ignore")
-    rng = np.random.Generator(np.random.PCG64([seed, number]))
     outcome = Outcome()
-    arm = arms.draw(rng)
+    arm = arms.draw(_stream(seed, number))
     outcome.counts[f"arms: {arm.kind}"] += 1
     say(f"build {arm.kind}")
     try:
@@ -77,14 +76,20 @@ def run(seed: int, number: int, say: Say = lambda doing: None) -> Outcome:
         return outcome
     # Which value is whose is the library's to say; what it does is not.
     arm = arm.ordered(robot.joint_names)
-    _same_arm(arm, robot, rng, outcome, number)
+    _same_arm(arm, robot, _stream(seed, number, 0), outcome, number)
     say("closed_form")
     family = robot.closed_form
     outcome.counts[f"family: {family}"] += 1
-    for _ in range(REQUESTS):
-        request = requests.draw(arm, family, rng)
-        _Asked(seed, number, arm, robot, request, rng, outcome, say).run()
+    for index in range(1, REQUESTS + 1):
+        request = requests.draw(arm, family, _stream(seed, number, index))
+        rng = _stream(seed, number, index, 1)
+        _Asked(number, arm, robot, request, rng, outcome, say).run()
     return outcome
+
+
+def _stream(*numbers: int) -> np.random.Generator:
+    """Random numbers of their own for the arm, each request and its comparisons."""
+    return np.random.Generator(np.random.PCG64(numbers))
 
 
 def _same_arm(
@@ -116,7 +121,6 @@ def _same_arm(
 class _Asked:
     """One request, its answer and the comparisons."""
 
-    seed: int
     number: int
     arm: Arm
     robot: ik.Robot
