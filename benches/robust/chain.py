@@ -16,6 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 EPS = float(np.finfo(float).eps)
+UNLIMITED = 1e4
+"""Limits of this and beyond, rad, mean by the documentation that a joint turns freely."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,8 @@ class Arm:
     def _range(self) -> tuple[Array, Array]:
         low = np.array([joint.lower for joint in self.variables])
         high = np.array([joint.upper for joint in self.variables])
+        free = self.turns & (low <= -UNLIMITED) & (high >= UNLIMITED)
+        low, high = np.where(free, -np.inf, low), np.where(free, np.inf, high)
         index = {joint.name: i for i, joint in enumerate(self.variables)}
         for joint in self.joints:
             if joint.mimic is not None and joint.mimic[1] != 0:
@@ -101,9 +105,9 @@ class Arm:
 
     @property
     def widest(self) -> float:
-        """The largest finite limit of a joint that turns, rad."""
-        ends = np.abs(np.concatenate([self.lower[self.turns], self.upper[self.turns]]))
-        return float(np.max(ends[np.isfinite(ends)], initial=0.0))
+        """The largest finite limit that a file gives a joint that turns, rad."""
+        ends = [end for j in self.joints if j.kind == "revolute" for end in (j.lower, j.upper)]
+        return max([abs(end) for end in ends if np.isfinite(end)], default=0.0)
 
     def with_tool(self, tool: Array | None) -> Arm:
         """Return the arm with a frame behind its tool."""

@@ -23,6 +23,9 @@ ROWS |= dict.fromkeys(("transpose", "ccd", "ik-pid", "state-space", "static-gain
 ROWS |= dict.fromkeys(("de", "ga"), 10)
 """Most rows of a call; how long a row that is not solved takes differs a thousandfold."""
 
+MOST_DISTURBED = 200
+"""Most rows of a call some of whose targets cannot be reached: those take long."""
+
 SHARES = {"lm": 8.0, "auto": 7.0, "closed_form": 4.0, BRANCHES: 2.0}
 """How often a solver is asked, of those that are asked more than others."""
 
@@ -104,11 +107,13 @@ def draw(arm: Arm, family: str | None, rng: np.random.Generator) -> Request:
     task, task_name = _task(name, rng)
     tool = _tool(arm, rng) if rng.random() < 0.25 else None
     reached = arm.with_tool(tool)
+    disturbed = rng.random() < 0.45
     count = _count(ROWS.get(name, 24), rng)
+    count = min(count, MOST_DISTURBED) if disturbed else count
     made_from = _postures(arm, count, rng)
     poses = reached.fk(made_from)
     reachable = np.ones(count, bool)
-    if rng.random() < 0.45:
+    if disturbed:
         _disturb(reached, poses, reachable, rng)
     request = Request(
         arm=reached,
