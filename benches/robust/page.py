@@ -38,7 +38,7 @@ def write(measured: dict[str, list[Measured]], command: str, seconds: float) -> 
         "kinematics in plain NumPy that shares nothing with the library, by the limits of the "
         "robot's own file, and by the documented meaning of each status.",
         "",
-        f"Made by `{command}` on {time.strftime('%Y-%m-%d')}, in {seconds / 60:.0f} minutes: "
+        f"Made by `{command}` on {time.strftime('%Y-%m-%d')}, in {seconds / 60:.1f} minutes: "
         f"agrik_fast {ik.__version__}, {_cores()} cores, `simd_level()` {ik.simd_level()}, "
         f"Python {platform.python_version()}; every call with one thread, default tolerances "
         "(1e-6 m, 1e-6 rad), no start values.",
