@@ -70,7 +70,7 @@ clean: ## remove what the other targets made, the environments included
 	rm -rf .venv .venv-* dist docs/_build docs/_generated examples/results benches/results
 	rm -rf .mypy_cache .pytest_cache .ruff_cache .hypothesis
 	rm -f python/agrik_fast/_native*.so
-	find python tests examples benches docs -name __pycache__ -prune -exec rm -rf {} +
+	find python tests examples benches docs tools -name __pycache__ -prune -exec rm -rf {} +
 
 build: $(NATIVE) ## the release extension, installed into .venv (quick when nothing changed)
 

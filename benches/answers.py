@@ -347,6 +347,12 @@ def tomato() -> Iterator[Work]:
             )
 
 
+def numbers_of(gains: Any) -> list[Any]:
+    """Return the numbers that a tuner finds, of whichever solver."""
+    names = ("kp", "ki", "kd", "A", "B", "C", "K")
+    return [value for name in names if (value := getattr(gains, name, None)) is not None]
+
+
 def gains() -> Iterator[Work]:
     arm = ik.Robot.load("hydrolek")
     short = {"goals": 60, "evaluations": 150, "runs": 1, "refinement": 40, "max_iterations": 100}
@@ -354,7 +360,7 @@ def gains() -> Iterator[Work]:
         ("state-space", "static-gain", "ik-pid"), ("pso", "cma")
     ):
         search = Tuning(solver=solver, method=method, **short)
-        yield f"{solver}, {method}", lambda t=search: digest(repr(tune(arm, t).make()))
+        yield f"{solver}, {method}", lambda t=search: digest(*numbers_of(tune(arm, t).make()))
 
 
 def all_work() -> Iterator[Work]:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
+from matplotlib.patches import FancyArrowPatch
 
 import layout
 
@@ -34,30 +35,35 @@ def draw(
 ) -> None:
     """Draw the names as boxes on their floors, and the arrows between them."""
     at = places(floors)
+    across = [x for x, _ in at.values()]
+    axes.set_xlim(min(across) - WIDTH, max(across) + WIDTH)
+    axes.set_ylim(-0.6 * ROW, ROW * (len(floors) - 0.4))
+    style = {"boxstyle": "round,pad=0.35", "facecolor": BOX, "edgecolor": INSIDE}
+    boxes = {
+        name: axes.text(x, y, name, ha="center", va="center", fontsize=9, bbox=style, zorder=2)
+        for name, (x, y) in at.items()
+    }
+    # A box has its size once it is drawn, and arrows end at its edge.
+    axes.figure.canvas.draw()
     shown = {*layout.direct(arrows)}
     shown |= {(a, b) for a, targets in arrows.items() for b in targets if wrong(a, b)}
     for source, target in sorted(shown):
         bad = wrong(source, target)
-        axes.annotate(
-            "",
-            at[target],
+        floors_down = (at[source][1] - at[target][1]) / ROW
+        bend = 0.4 if floors_down == 0 else 0.0 if floors_down == 1 else 0.12
+        arrow = FancyArrowPatch(
             at[source],
-            arrowprops={
-                "arrowstyle": "->",
-                "color": OUTSIDE if bad else INSIDE,
-                "alpha": 0.9 if bad else 0.55,
-                "shrinkA": 11,
-                "shrinkB": 11,
-                "linewidth": 1.0,
-            },
+            at[target],
+            patchA=boxes[source].get_bbox_patch(),
+            patchB=boxes[target].get_bbox_patch(),
+            connectionstyle=f"arc3,rad={bend}",
+            arrowstyle="->",
+            mutation_scale=9,
+            color=OUTSIDE if bad else INSIDE,
+            alpha=0.9 if bad else 0.55,
             zorder=1,
         )
-    for name, (x, y) in at.items():
-        style = {"boxstyle": "round,pad=0.35", "facecolor": BOX, "edgecolor": INSIDE}
-        axes.text(x, y, name, ha="center", va="center", fontsize=9, bbox=style, zorder=2)
-    across = [x for x, _ in at.values()]
-    axes.set_xlim(min(across) - WIDTH, max(across) + WIDTH)
-    axes.set_ylim(-0.6 * ROW, ROW * (len(floors) - 0.4))
+        axes.add_patch(arrow)
     axes.set_title(title, fontsize=11)
     axes.set_axis_off()
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from agrik_fast import Robot
+from agrik_fast import Robot, rotations
 
 Array = NDArray[np.float64]
 
@@ -104,34 +104,12 @@ def grip_postures(robot: Robot, seed: int) -> Array:
     return np.concatenate(kept)[:WORKSPACE_ROWS]
 
 
-def quaternions(rotation: Array) -> Array:
-    """Return unit quaternions (x, y, z, w) of rotations, shape (n, 3, 3) -> (n, 4)."""
-    # Bar-Itzhack: the dominant eigenvector of this matrix is the quaternion, whatever
-    # component of it happens to be small.
-    r = rotation
-    k = np.empty((len(r), 4, 4))
-    k[:, 0, 0] = r[:, 0, 0] - r[:, 1, 1] - r[:, 2, 2]
-    k[:, 1, 1] = r[:, 1, 1] - r[:, 0, 0] - r[:, 2, 2]
-    k[:, 2, 2] = r[:, 2, 2] - r[:, 0, 0] - r[:, 1, 1]
-    k[:, 3, 3] = r[:, 0, 0] + r[:, 1, 1] + r[:, 2, 2]
-    k[:, 0, 1] = k[:, 1, 0] = r[:, 0, 1] + r[:, 1, 0]
-    k[:, 0, 2] = k[:, 2, 0] = r[:, 0, 2] + r[:, 2, 0]
-    k[:, 1, 2] = k[:, 2, 1] = r[:, 1, 2] + r[:, 2, 1]
-    k[:, 0, 3] = k[:, 3, 0] = r[:, 2, 1] - r[:, 1, 2]
-    k[:, 1, 3] = k[:, 3, 1] = r[:, 0, 2] - r[:, 2, 0]
-    k[:, 2, 3] = k[:, 3, 2] = r[:, 1, 0] - r[:, 0, 1]
-    _, vectors = np.linalg.eigh(k)
-    largest = vectors[:, :, -1]
-    # Of q and -q take the one with w > 0, so that the file does not depend on the solver.
-    return np.asarray(largest * np.where(largest[:, 3:] < 0.0, -1.0, 1.0))
-
-
 def random_poses(robot: Robot, seed: int) -> dict[str, NDArray[np.float32]]:
     """Return 10,000 poses of joint-uniform postures as position_m and quaternion_xyzw."""
     pose = robot.fk(joint_uniform(robot.lower, robot.upper, POSE_ROWS, seed))
     return {
         "position_m": pose[:, :3, 3].astype(np.float32),
-        "quaternion_xyzw": quaternions(pose[:, :3, :3]).astype(np.float32),
+        "quaternion_xyzw": rotations.quat_of(pose).astype(np.float32),
     }
 
 

@@ -1,9 +1,13 @@
-"""The examples in the documentation run as they stand."""
+"""The examples in the documentation and in docstrings run as they stand."""
 
+import doctest
+import importlib
 import re
 from pathlib import Path
 
 import pytest
+
+import layout
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
@@ -20,3 +24,31 @@ def test_python_examples_run(page: Path) -> None:
 
 def test_there_are_examples() -> None:
     assert "getting-started" in [page.stem for page in PAGES]
+
+
+def test_scripts_named_in_pages_exist(repo_root: Path) -> None:
+    pages = [repo_root / "README.md", repo_root / "CONTRIBUTING.md", *DOCS.rglob("*.md")]
+    script = re.compile(r"(?:tests|python|examples|benches|tools)/[\w/]+\.py\b")
+    named = {
+        path
+        for page in pages
+        if not {"_build", "_generated"} & set(page.parts)
+        for path in script.findall(page.read_text("utf-8"))
+        if "xyz" not in path  # stands for the format that a recipe adds
+    }
+    assert len(named) > 10
+    assert [path for path in sorted(named) if not (repo_root / path).exists()] == []
+
+
+EXAMPLES = [
+    name
+    for name, path in layout.modules().items()
+    if path.suffix == ".py" and ">>>" in path.read_text("utf-8")
+]
+
+
+@pytest.mark.parametrize("module", EXAMPLES)
+def test_examples_in_docstrings_hold(module: str) -> None:
+    outcome = doctest.testmod(importlib.import_module(module))
+    assert outcome.attempted
+    assert not outcome.failed

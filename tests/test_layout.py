@@ -80,7 +80,6 @@ def test_crates_depend_on_those_below_them() -> None:
     assert not any("agrik-py" in needs for needs in arrows.values())
 
 
-@pytest.mark.xfail(reason="the chain still knows its closed form: it is to be asked by a request")
 def test_modules_of_the_core_take_only_from_those_below_them() -> None:
     arrows, table = layout.rust_modules("agrik"), layout.rules("rust")
     assert set(arrows) == table.names - table.planned

@@ -4,17 +4,49 @@ from __future__ import annotations
 
 import math
 import operator
+from collections.abc import Collection
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import ArgumentError
+from .errors import ArgumentError, UnknownNameError
+
+# As in the compiled core.
+_MOST_DIMENSIONS = 32
 
 FloatArray = NDArray[np.float64]
 
 Matrix: TypeAlias = tuple[tuple[float, ...], ...]
 """A matrix as rows of numbers."""
+
+
+def shown(value: object) -> str:
+    """Return a value as an error message has it, whatever its own words do."""
+    try:
+        return repr(value)
+    except Exception:
+        return f"a {type(value).__name__}"
+
+
+def text(argument: str, value: object) -> str:
+    """Return `value` if it is a text that can be written."""
+    if not isinstance(value, str):
+        raise ArgumentError(argument, shown(value), "a text")
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        raise ArgumentError(argument, shown(value), "a text in Unicode") from None
+    return value
+
+
+def word(kind: str, value: object, known: Collection[str]) -> str:
+    """Return `value` if it is one of a few words."""
+    if not isinstance(value, str):
+        raise ArgumentError(kind, shown(value), f"one of {', '.join(known)}")
+    if value not in known:
+        raise UnknownNameError(kind, value, known)
+    return value
 
 
 def float_array(argument: str, value: ArrayLike) -> FloatArray:
@@ -25,6 +57,9 @@ def float_array(argument: str, value: ArrayLike) -> FloatArray:
         raise ArgumentError(argument, "rows of unequal length", "an array of numbers") from None
     if array.dtype.kind not in "fiu":
         raise ArgumentError(argument, f"an array of {array.dtype}", "an array of numbers")
+    if array.ndim > _MOST_DIMENSIONS:
+        expected = f"at most {_MOST_DIMENSIONS} dimensions"
+        raise ArgumentError(argument, f"{array.ndim} dimensions", expected)
     return array.astype(np.float64, copy=False)
 
 
@@ -34,9 +69,9 @@ def whole_number(argument: str, value: object, low: int, high: int | None = None
     try:
         number = operator.index(value)  # type: ignore[arg-type]
     except TypeError:
-        raise ArgumentError(argument, repr(value), expected) from None
+        raise ArgumentError(argument, shown(value), expected) from None
     if isinstance(value, bool) or number < low or (high is not None and number > high):
-        raise ArgumentError(argument, repr(value), expected)
+        raise ArgumentError(argument, shown(value), expected)
     return number
 
 
@@ -58,8 +93,11 @@ def real_number(
     if unit:
         expected += f" {unit}"
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise ArgumentError(argument, repr(value), expected)
-    number = float(value)
+        raise ArgumentError(argument, shown(value), expected)
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
     inside = number > low if open_low else number >= low
     if not (math.isfinite(number) and inside and number <= high):
         raise ArgumentError(argument, f"{number!r}", expected)
@@ -69,7 +107,7 @@ def real_number(
 def truth_value(argument: str, value: object) -> bool:
     """Return `value`, True or False and nothing that merely counts as one."""
     if not isinstance(value, (bool, np.bool_)):
-        raise ArgumentError(argument, repr(value), "True or False")
+        raise ArgumentError(argument, shown(value), "True or False")
     return bool(value)
 
 

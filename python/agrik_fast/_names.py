@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ._native import default_settings
+from . import _native
 
 
 def solver_names() -> tuple[str, ...]:
     """Return the names that `Robot.ik` takes for solvers, in the core's order."""
-    return (*default_settings(), "closed_form", "auto")
+    return tuple(_native.solver_names())

@@ -19,12 +19,15 @@ __all__ = [
     "TomatoArm",
     "Tuner",
     "__version__",
+    "check_solver",
     "default_settings",
     "get_num_threads",
     "ik_paced",
     "ik_record",
     "set_num_threads",
     "simd_level",
+    "solver_names",
+    "statuses",
 ]
 
 __version__: str
@@ -193,9 +196,6 @@ class Chain:
 
     def with_base(self, base: ArrayLike) -> Chain:
         """Return the chain with another base, shape (4, 4), m."""
-
-    def with_name(self, name: str) -> Chain:
-        """Return the chain under another name."""
 
     def fk(self, q: ArrayLike) -> NDArray[np.float64]:
         """Return tool poses, shape (..., 4, 4), of joint values, shape (..., dof)."""
@@ -650,6 +650,26 @@ def default_settings() -> dict[str, dict[str, object]]:
     dict of dict
         Field names and values as in the dataclasses of `agrik_fast.solvers`.
     """
+
+def check_solver(solver: object) -> None:
+    """Refuse a solver whose fields are out of their ranges.
+
+    Parameters
+    ----------
+    solver : str or object
+        A name, or an object with the fields of that solver.
+
+    Raises
+    ------
+    ArgumentError
+        A field is out of its range; it is named without the class.
+    """
+
+def solver_names() -> list[str]:
+    """Return the names of all solvers: step solvers, population solvers, the others."""
+
+def statuses() -> dict[str, int]:
+    """Return the codes of `agrik_fast.Status` by their names in lower case, in order."""
 
 def set_num_threads(n: int | None) -> None:
     """Set the number of threads of batch calls in this process.

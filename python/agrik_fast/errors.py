@@ -15,8 +15,10 @@ from typing import Any, NamedTuple
 __all__ = [
     "AgrikError",
     "ArgumentError",
+    "ConcurrentUseError",
     "Fault",
     "GainFileError",
+    "InternalError",
     "RobotFileError",
     "UnknownNameError",
     "UrdfError",
@@ -60,6 +62,53 @@ class ArgumentError(AgrikError, ValueError):
         # The default rebuilds from `args`, which holds the message only; worker
         # processes could then not hand the exception back.
         return type(self), (self.argument, self.received, self.expected)
+
+
+class ConcurrentUseError(AgrikError, RuntimeError):
+    """An object that serves one caller at a time was called while it was at work.
+
+    By another thread, by a signal handler, or by an argument whose conversion to an array
+    calls back.
+
+    Parameters
+    ----------
+    object : str
+        What was called.
+    instead : str
+        What to do instead, in words.
+
+    Attributes
+    ----------
+    object, instead
+        The parameters.
+    """
+
+    object: str
+    instead: str
+
+    def __init__(self, object: str, instead: str) -> None:
+        self.object = object
+        self.instead = instead
+        super().__init__(f"{object} is at work for another caller; {instead}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.object, self.instead)
+
+
+class InternalError(AgrikError):
+    """A fault of the library itself, in its compiled part; please report it.
+
+    What is raised is also a `RuntimeError`.
+    """
+
+    def __str__(self) -> str:
+        return (
+            f"internal fault of agrik_fast ({super().__str__()}); this is a bug, please report "
+            "it with the call that led here"
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return InternalError, self.args
 
 
 class GainFileError(AgrikError, ValueError):

@@ -310,7 +310,15 @@ def zyz_of(poses: ArrayLike) -> EulerAngles:
 
 def zyz_differences(a: ArrayLike, b: ArrayLike) -> FloatArray:
     """Return a - b of ZYZ angles, shape (..., 3), rad; alpha and gamma wrapped to half a turn."""
-    difference = float_array("a", a) - float_array("b", b)
+    first, second = float_array("a", a), float_array("b", b)
+    for name, angles in (("a", first), ("b", second)):
+        if angles.ndim < 1 or angles.shape[-1] != 3:
+            raise ArgumentError(name, f"shape {angles.shape}", "shape (..., 3)")
+    try:
+        difference = first - second
+    except ValueError:
+        expected = f"a shape that broadcasts with {first.shape}"
+        raise ArgumentError("b", f"shape {second.shape}", expected) from None
     wrapped = np.pi - (np.pi - difference) % (2 * np.pi)
     return np.where(np.array([True, False, True]), wrapped, difference)
 
@@ -349,7 +357,7 @@ def straighten(poses: ArrayLike, *, tolerance: float = 0.02) -> Straightened:
     --------
     >>> found = straighten([[0.87, -0.5, 0.0], [0.5, 0.87, 0.0], [0.0, 0.0, 1.0]])
     >>> str(found.reason), round(float(found.off), 4)
-    ('ok', 0.0035)
+    ('ok', 0.0034)
     """
     tolerance = real_number("tolerance", tolerance, 0, 0.5, open_low=True)
     given = float_array("poses", poses)

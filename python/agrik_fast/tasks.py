@@ -119,7 +119,7 @@ class Masked:
                 str(weights.tolist()),
                 "finite weights >= 0, at least one above 0",
             )
-        if self.frame not in ("base", "tool"):
+        if not isinstance(self.frame, str) or self.frame not in ("base", "tool"):
             raise ArgumentError("Masked.frame", repr(self.frame), "'base' or 'tool'")
         object.__setattr__(self, "weights", tuple(weights.tolist()))
 

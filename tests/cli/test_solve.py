@@ -16,6 +16,7 @@ from agrik_fast.cli._solve import parse_axis
 from agrik_fast.cli.progress import Bar, Plain, for_stream
 from agrik_fast.cli.summary import print_summaries
 from agrik_fast.io import read_results
+from agrik_fast.io._results import RESULT_SUFFIXES
 from agrik_fast.jobs import SolveRequest, solve_file
 from agrik_fast.jobs import _pipeline as pipeline
 from agrik_fast.jobs import _solve_file as solve_module
@@ -39,7 +40,7 @@ def points_file(name: str, robot: str, count: int, seed: int = 0) -> np.ndarray:
 # ---- solving -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".npy", ".npz", ".parquet"])
+@pytest.mark.parametrize("suffix", RESULT_SUFFIXES)
 def test_results_are_those_of_one_call(
     agrik_fast: RunCommand, suffix: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -7,8 +7,8 @@ import pytest
 
 from agrik_fast import Status
 from agrik_fast.io import ResultChunk, ResultFileError, ResultLayout, open_results, read_results
+from agrik_fast.io._results import RESULT_SUFFIXES
 
-SUFFIXES = [".csv", ".npy", ".npz", ".parquet"]
 LAYOUT = ResultLayout(("s10_m", "theta_rad"), metadata={"robot": "toy", "seed": "7"})
 
 
@@ -44,7 +44,7 @@ def joined(*chunks: ResultChunk) -> ResultChunk:
 
 
 @pytest.mark.parametrize("text_ids", [False, True])
-@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize("suffix", RESULT_SUFFIXES)
 def test_results_read_back_to_the_same_bits(tmp_path: Path, suffix: str, text_ids: bool) -> None:
     path = tmp_path / f"results{suffix}"
     layout = ResultLayout(LAYOUT.joint_columns, text_ids, LAYOUT.metadata)
@@ -91,7 +91,7 @@ def test_joint_columns_carry_units() -> None:
     assert names == ("s10_m", "theta_rad", "roll_rad")
 
 
-@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize("suffix", RESULT_SUFFIXES)
 def test_an_error_leaves_the_old_file_untouched(tmp_path: Path, suffix: str) -> None:
     path = write(tmp_path / f"r{suffix}", "old")
     writer = open_results(path, LAYOUT, force=True)

@@ -1,4 +1,4 @@
-"""Target files: kinds, units, orientations, chunks and faults; results: test_io_results.py."""
+"""Target files: kinds, units, orientations, chunks and faults; results: test_results.py."""
 
 import math
 import pickle

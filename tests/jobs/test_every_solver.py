@@ -8,10 +8,10 @@ import pytest
 import agrik_fast as ik
 from agrik_fast._names import solver_names
 from agrik_fast.io import read_results
+from agrik_fast.io._results import RESULT_SUFFIXES
 from agrik_fast.jobs import SolveRequest, solve_file
 from cli_runner import run_command
 
-SUFFIXES = (".csv", ".npz", ".npy", ".parquet")
 ROWS = 40
 # These are for full poses of an arm that has a closed form; the others reach any point.
 BY_BRANCHES = ("closed_form", "auto")
@@ -25,7 +25,7 @@ def targets_of(arm: ik.Robot, poses: bool) -> np.ndarray:
     return goals if poses else goals[:, :3, 3]
 
 
-@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize("suffix", RESULT_SUFFIXES)
 @pytest.mark.parametrize("solver", solver_names())
 def test_every_solver_writes_every_kind(tmp_path: Path, solver: str, suffix: str) -> None:
     poses = solver in BY_BRANCHES
@@ -46,7 +46,7 @@ def test_every_solver_writes_every_kind(tmp_path: Path, solver: str, suffix: str
     assert rows.status[11] == ik.Status.BAD_INPUT
 
 
-@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize("suffix", RESULT_SUFFIXES)
 def test_a_search_that_stalls_is_told_in_every_kind(
     tmp_path: Path, repo_root: Path, suffix: str
 ) -> None:

@@ -109,12 +109,3 @@ def test_grip_postures_hold_the_tool_down_within_limits(load_robot) -> None:
     assert q.shape == (1_000, 7)
     assert ((q >= cucumber.lower) & (q <= cucumber.upper)).all()
     np.testing.assert_allclose(pose[:, :3, 0], np.tile([0, 0, -1], (1_000, 1)), atol=1e-12)
-
-
-def test_quaternions_give_the_rotation_back() -> None:
-    angles = np.random.default_rng(2).uniform(-np.pi, np.pi, (100, 3))
-    from agrik_fast import _rotations as rotations
-
-    matrices = rotations.from_rpy(angles)
-    back = rotations.from_quaternion(make_targets.quaternions(matrices))
-    np.testing.assert_allclose(back, matrices, atol=1e-14)

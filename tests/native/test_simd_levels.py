@@ -78,7 +78,7 @@ def test_an_unknown_level_is_warned_of(wish: str) -> None:
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("level", AVAILABLE)
 def test_bad_input_and_determinism_hold(level: str) -> None:
-    files = [TESTS / "test_bad_input.py", TESTS / "test_determinism.py"]
+    files = [TESTS / "robot/test_bad_input.py", TESTS / "native/test_determinism.py"]
     done = run(level, "-m", "pytest", "-q", "-p", "no:cacheprovider", *files)
     assert done.returncode == 0, done.stdout + done.stderr
     assert re.search(r"\d+ passed", done.stdout)

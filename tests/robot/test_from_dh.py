@@ -102,7 +102,7 @@ NOT_RIGID = np.diag([1.0, 1.0, 2.0, 1.0])
         ({"joint_types": ["fixed", "fixed"]}, "at least one movable joint"),
         ({"limits": [-1, 1]}, r"`limits`: expected shape \(2, 2\), got shape \(2,\)"),
         ({"limits": [[-1, 1], [2, 1]]}, r"`limits\[1\]`: expected lower <= upper, got lower 2 > "),
-        ({"limits": [[-1, 1], [-np.inf, 1]]}, r"`limits\[1\]`: expected finite limits"),
+        ({"limits": [[-1, 1], [np.nan, 1]]}, r"`limits\[1\]`: expected numbers"),
         ({"base": np.eye(3)}, r"`base`: expected .*\(4, 4\)"),
         ({"base": NOT_RIGID}, "`base`: expected .*rigid"),
         ({"tool": NOT_RIGID}, "`tool`: expected .*rigid"),

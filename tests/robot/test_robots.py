@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import copy
-import doctest
-import importlib
 import json
 import pickle
 import shutil
@@ -366,10 +364,3 @@ def test_public_names_are_all_there() -> None:
         assert getattr(ik, name) is not None
     with pytest.raises(AttributeError, match="module 'agrik_fast' has no attribute 'robots'"):
         _ = ik.robots  # type: ignore[attr-defined]
-
-
-@pytest.mark.parametrize("module", ["robot", "tasks"])
-def test_examples_in_docstrings_hold(module: str) -> None:
-    outcome = doctest.testmod(importlib.import_module(f"agrik_fast.{module}"))
-    assert outcome.attempted > 0
-    assert outcome.failed == 0

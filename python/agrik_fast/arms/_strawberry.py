@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _native
-from .._checks import FloatArray, finite_array, float_array, real_number
-from ..errors import ArgumentError, UnknownNameError
+from .._checks import FloatArray, finite_array, float_array, real_number, word
+from ..errors import ArgumentError
 from ._ncos import solve_all
 from ._record import Record
 
@@ -230,12 +230,10 @@ class StrawberryArm:
             A wrong shape or option, or constants for which the exact minimum cannot be
             proven.
         """
-        if method not in METHODS:
-            raise UnknownNameError("method", str(method), METHODS)
+        word("method", method, METHODS)
         s10_share = real_number("s10_share", s10_share, 0, 1)
         theta_step = real_number("theta_step", theta_step, unit="rad")
-        if theta_rule not in THETA_RULES:
-            raise UnknownNameError("theta rule", str(theta_rule), THETA_RULES)
+        word("theta rule", theta_rule, THETA_RULES)
         if method == "ncos":
             return self._ncos(targets)
         record, energy, place, gap = self._arm.solve(
@@ -321,8 +319,7 @@ class StrawberryArm:
         """
         theta = real_number("theta", theta, unit="rad")
         beta = real_number("beta", beta, unit="rad")
-        if case not in SLOPE_CASES:
-            raise UnknownNameError("case", str(case), SLOPE_CASES)
+        word("case", case, SLOPE_CASES)
         found = self._arm.slopes(theta, beta, case)
         if not all(abs(slope) < STEEPEST for slope in found.values()):
             pose = f"theta {theta!r}, beta {beta!r}, case {case!r}"

@@ -24,6 +24,7 @@ from .._checks import (
     real_number,
     truth_value,
     whole_number,
+    word,
 )
 from ..errors import ArgumentError, UnknownNameError
 from ..result import Status
@@ -305,8 +306,7 @@ class TomatoArm:
         UnknownNameError
             No such method.
         """
-        if method not in METHODS:
-            raise UnknownNameError("method", str(method), METHODS)
+        word("method", method, METHODS)
         points = float_array("targets", targets)
         if points.ndim == 0 or points.shape[-1] != 3:
             raise ArgumentError("targets", f"shape {points.shape}", "shape (..., 3)")

@@ -10,8 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, float_array, whole_number
-from ..errors import UnknownNameError
+from .._checks import FloatArray, float_array, text, whole_number, word
 from ._definition import Definition, bundled_names, from_robot_file, locate, read_urdf
 from ._dh_rows import CONVENTIONS, DhRow, read_table
 from ._inverse import InverseKinematics
@@ -140,8 +139,8 @@ class Robot(InverseKinematics):
         >>> arm.joint_types
         ('continuous', 'continuous')
         """
-        if convention not in CONVENTIONS:
-            raise UnknownNameError("convention", str(convention), CONVENTIONS)
+        word("convention", convention, CONVENTIONS)
+        text("name", name)
         table = read_table(rows, limits, joint_types, joint_names)
         definition = Definition(
             method="from_dh",
@@ -186,6 +185,9 @@ class Robot(InverseKinematics):
             The text is no URDF, its links are cyclic or disconnected, a link is
             unknown or ambiguous, or no joint moves.
         """
+        for argument, link in (("base_link", base_link), ("tip_link", tip_link)):
+            if link is not None:
+                text(argument, link)
         return cls(Definition("from_urdf", (read_urdf(path_or_text), base_link, tip_link)))
 
     @staticmethod
@@ -407,8 +409,7 @@ class Robot(InverseKinematics):
             No frame has that name.
         """
         known = self._definition.frames
-        if frame not in known:
-            raise UnknownNameError("frame", frame, known)
+        word("frame", frame, known)
         back = np.eye(4)
         back[:3, :3] = known[frame][:3, :3].T
         back[:3, 3] = -back[:3, :3] @ known[frame][:3, 3]

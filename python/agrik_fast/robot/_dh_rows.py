@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, float_array, real_number
+from .._checks import FloatArray, float_array, real_number, text
 from ..errors import ArgumentError, UnknownNameError
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
@@ -143,8 +143,11 @@ def _entry(
 
 
 def _strings(argument: str, values: Sequence[str], count: int) -> list[str]:
-    if isinstance(values, str) or not all(isinstance(value, str) for value in values):
+    listed = isinstance(values, Sequence) and not isinstance(values, str)
+    if not listed or not all(isinstance(value, str) for value in values):
         raise ArgumentError(argument, repr(values), "a sequence of strings")
+    for value in values:
+        text(argument, value)
     if len(values) != count:
         raise ArgumentError(argument, f"{len(values)} entries", f"{count}, one per row")
     return list(values)
@@ -164,10 +167,9 @@ def _limits(limits: ArrayLike | None, types: Sequence[str]) -> tuple[FloatArray,
         raise ArgumentError("limits", f"shape {table.shape}", f"shape ({count}, 2)")
     for index in np.flatnonzero(bounded).tolist():
         lower, upper = table[index].tolist()
-        if not (math.isfinite(lower) and math.isfinite(upper)):
+        if math.isnan(lower) or math.isnan(upper):
             received = f"[{lower:g}, {upper:g}] for a {types[index]} joint"
-            expected = "finite limits (a joint that turns freely is 'continuous')"
-            raise ArgumentError(f"limits[{index}]", received, expected)
+            raise ArgumentError(f"limits[{index}]", received, "numbers, infinite for no limit")
         if lower > upper:
             received = f"lower {lower:g} > upper {upper:g}"
             raise ArgumentError(f"limits[{index}]", received, "lower <= upper")

@@ -48,7 +48,7 @@ class ClosedForm:
     certify: bool = False
 
     def __post_init__(self) -> None:
-        if self.choose not in ("nearest", "margin", "middle"):
+        if not isinstance(self.choose, str) or self.choose not in ("nearest", "margin", "middle"):
             raise ArgumentError(
                 "ClosedForm.choose", repr(self.choose), "'nearest', 'margin' or 'middle'"
             )

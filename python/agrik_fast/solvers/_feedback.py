@@ -12,9 +12,9 @@ from typing import ClassVar, Self, TypeAlias, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks import Matrix, matrix, real_number, truth_value, whole_number
-from ..errors import ArgumentError, UnknownNameError
-from ._loop import LARGEST_COUNT, FeedbackLoop
+from .._checks import Matrix, matrix, real_number, truth_value, word
+from ..errors import ArgumentError
+from ._loop import FeedbackLoop
 
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
@@ -155,8 +155,7 @@ class IkPid(_FromFile, FeedbackLoop):
         for name in ("kp", "ki", "kd"):
             real_number(f"IkPid.{name}", getattr(self, name), -math.inf)
         _check_meaning(self)
-        if self.order not in ("tip-first", "base-first"):
-            raise UnknownNameError("order", str(self.order), ("tip-first", "base-first"))
+        word("order", self.order, ("tip-first", "base-first"))
         truth_value("IkPid.literal", self.literal)
         truth_value("IkPid.incremental", self.incremental)
         FeedbackLoop.__post_init__(self)
@@ -363,7 +362,6 @@ class Broyden(FeedbackLoop):
 
     def __post_init__(self) -> None:
         _check_gain(self)
-        whole_number("Broyden.patience", self.patience, 1, LARGEST_COUNT)
         _check_meaning(self)
         _check_axes(self)
         FeedbackLoop.__post_init__(self)

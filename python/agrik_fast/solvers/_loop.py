@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .._checks import real_number, whole_number
-from ..errors import UnknownNameError
+from .._checks import word
+from ._core import check_fields
 
 LARGEST_COUNT = 2**32 - 1
 """The compiled module counts in 32 bits."""
@@ -35,10 +35,8 @@ class Loop:
     max_iterations: int
     max_restarts: int
 
-    def _check_loop(self) -> None:
-        kind = type(self).__name__
-        whole_number(f"{kind}.max_iterations", self.max_iterations, 1, LARGEST_COUNT)
-        whole_number(f"{kind}.max_restarts", self.max_restarts, 0, LARGEST_COUNT)
+    def __post_init__(self) -> None:
+        check_fields(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,11 +62,6 @@ class JacobianLoop(Loop):
 
     max_step: float = 1.0
 
-    def __post_init__(self) -> None:
-        self._check_loop()
-        kind = type(self).__name__
-        real_number(f"{kind}.max_step", self.max_step, 0, open_low=True, unit="rad or m")
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FeedbackLoop(Loop):
@@ -91,12 +84,7 @@ class FeedbackLoop(Loop):
 
     start: str = "sampled"
 
-    def __post_init__(self) -> None:
-        self._check_loop()
-        check_start(self.start)
-
 
 def check_start(start: object) -> None:
     """Refuse what is none of `STARTS`."""
-    if start not in STARTS:
-        raise UnknownNameError("start", str(start), STARTS)
+    word("start", start, STARTS)

@@ -12,48 +12,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from .._checks import real_number, truth_value, whole_number
-from ..errors import ArgumentError, UnknownNameError
-from ._loop import LARGEST_COUNT
+from .._checks import truth_value
+from ._core import check_fields
 
 __all__ = ["DifferentialEvolution", "GeneticAlgorithm"]
 
-# The compiled module holds no larger population.
-_LARGEST_POPULATION = 2**20
-
-MUTATIONS = ("best1", "rand1", "current-to-best1")
-ADAPTATIONS = ("none", "jde", "lshade")
-REDRAWS = ("gene", "individual", "generation")
-BOUNDARIES = ("median", "clamp", "reflect", "redraw")
-ORIENTATIONS = ("rotation-vector", "euler-zyz")
-
 Boundary = Literal["median", "clamp", "reflect", "redraw"]
 Orientation = Literal["rotation-vector", "euler-zyz"]
-
-
-def _word(argument: str, value: object, known: tuple[str, ...]) -> None:
-    if not isinstance(value, str):
-        raise ArgumentError(argument, repr(value), f"one of {', '.join(known)}")
-    if value not in known:
-        raise UnknownNameError(argument.rpartition(".")[2], value, known)
-
-
-def _check_search(solver: DifferentialEvolution | GeneticAlgorithm) -> None:
-    kind = type(solver).__name__
-    whole_number(f"{kind}.population", solver.population, 4, _LARGEST_POPULATION)
-    whole_number(f"{kind}.generations", solver.generations, 1, LARGEST_COUNT)
-    whole_number(f"{kind}.max_restarts", solver.max_restarts, 0, LARGEST_COUNT)
-    whole_number(f"{kind}.stagnation", solver.stagnation, 0, LARGEST_COUNT)
-    real_number(f"{kind}.position_weight", solver.position_weight, 0, unit="per m")
-    if solver.orientation_weight is not None:
-        real_number(f"{kind}.orientation_weight", solver.orientation_weight, 0, unit="per rad")
-    if not solver.position_weight and not solver.orientation_weight:
-        raise ArgumentError(f"{kind}.position_weight", "0", "one of the weights above 0")
-    real_number(f"{kind}.start_weight", solver.start_weight, 0)
-    real_number(f"{kind}.target_cost", solver.target_cost, 0)
-    _word(f"{kind}.boundary", solver.boundary, BOUNDARIES)
-    _word(f"{kind}.orientation", solver.orientation, ORIENTATIONS)
-    truth_value(f"{kind}.polish", solver.polish)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -151,18 +116,11 @@ class DifferentialEvolution:
     polish: bool = True
 
     def __post_init__(self) -> None:
-        _check_search(self)
-        kind = type(self).__name__
-        _word(f"{kind}.mutation", self.mutation, MUTATIONS)
-        _word(f"{kind}.adaptation", self.adaptation, ADAPTATIONS)
-        _word(f"{kind}.redraw", self.redraw, REDRAWS)
-        real_number(f"{kind}.weight", self.weight, 0, 2, open_low=True)
+        truth_value(f"{type(self).__name__}.polish", self.polish)
         crossover: object = self.crossover
-        if not isinstance(crossover, Sequence) or len(crossover) != 2:
-            raise ArgumentError(f"{kind}.crossover", repr(crossover), "two numbers")
-        low = real_number(f"{kind}.crossover", crossover[0], 0, 2)
-        high = real_number(f"{kind}.crossover", crossover[1], low, 2)
-        object.__setattr__(self, "crossover", (low, high))
+        if isinstance(crossover, Sequence) and not isinstance(crossover, str):
+            object.__setattr__(self, "crossover", tuple(crossover))
+        check_fields(self)
 
     @classmethod
     def paper(cls) -> DifferentialEvolution:
@@ -268,11 +226,5 @@ class GeneticAlgorithm:
     polish: bool = True
 
     def __post_init__(self) -> None:
-        _check_search(self)
-        kind = type(self).__name__
-        whole_number(f"{kind}.tournament", self.tournament, 1, self.population)
-        whole_number(f"{kind}.elites", self.elites, 0, self.population - 1)
-        real_number(f"{kind}.crossover_rate", self.crossover_rate, 0, 1)
-        real_number(f"{kind}.crossover_index", self.crossover_index, 0)
-        real_number(f"{kind}.mutation_rate", self.mutation_rate, 0, 1)
-        real_number(f"{kind}.mutation_width", self.mutation_width, 0)
+        truth_value(f"{type(self).__name__}.polish", self.polish)
+        check_fields(self)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
-from .._checks import real_number, whole_number
+from .._checks import whole_number
 from ..errors import ArgumentError
 from ._feedback import Feedback
 from ._loop import LARGEST_COUNT, JacobianLoop, check_start
@@ -15,15 +15,16 @@ from ._loop import LARGEST_COUNT, JacobianLoop, check_start
 class LevenbergMarquardt(JacobianLoop):
     """Least squares damped by a share of the squared error; the default, named "lm".
 
-    ``dq = J^T (J J^T + (damping |e|^2 / 2 + 1e-12 m^2) I)^-1 e``: steep and safe far from
-    the target, quadratic near it, because the damping vanishes with the error.
+    ``dq = J^T (J J^T + (damping |e|^2 / 2 + 1e-12 s^2) I)^-1 e``, with s the robot's size:
+    steep and safe far from the target, quadratic near it, because the damping vanishes with
+    the error.
 
     Parameters
     ----------
     damping : float, default 0.1
         Share of half the squared error that is added to the diagonal; no unit, > 0.
     max_iterations : int, default 10
-    max_restarts : int, default 100
+    max_restarts : int, default 250
     max_step : float, default 1.0
         The loop's, see `JacobianLoop`.
 
@@ -41,11 +42,7 @@ class LevenbergMarquardt(JacobianLoop):
     name: ClassVar[str] = "lm"
     damping: float = 0.1
     max_iterations: int = 10
-    max_restarts: int = 100
-
-    def __post_init__(self) -> None:
-        real_number("LevenbergMarquardt.damping", self.damping, 0, open_low=True)
-        JacobianLoop.__post_init__(self)
+    max_restarts: int = 250
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,10 +78,6 @@ class DampedLeastSquares(JacobianLoop):
     max_iterations: int = 60
     max_restarts: int = 100
 
-    def __post_init__(self) -> None:
-        real_number("DampedLeastSquares.damping", self.damping, 0, open_low=True, unit="m")
-        JacobianLoop.__post_init__(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PseudoInverse(JacobianLoop):
@@ -112,12 +105,6 @@ class PseudoInverse(JacobianLoop):
     cutoff: float = 0.001
     max_iterations: int = 60
     max_restarts: int = 100
-
-    def __post_init__(self) -> None:
-        cutoff = real_number("PseudoInverse.cutoff", self.cutoff, 0, 1, open_low=True)
-        if cutoff == 1:
-            raise ArgumentError("PseudoInverse.cutoff", "1.0", "a finite number > 0 and < 1")
-        JacobianLoop.__post_init__(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from .._checks import matrix, whole_number
+from .._checks import matrix, whole_number, word
 from .._native import Tuner, __version__
-from ..errors import UnknownNameError
 from ..robot import Robot
 from ..solvers import IkPid, StateSpace, StaticGain
 from ..solvers.gain_file import GainFile, SuccessTable, TrainingTable
@@ -105,14 +104,10 @@ class Tuning:
     threads: int | None = None
 
     def __post_init__(self) -> None:
-        if self.solver not in SOLVERS:
-            raise UnknownNameError("solver", self.solver, SOLVERS)
-        if self.shape not in SHAPES:
-            raise UnknownNameError("shape", self.shape, SHAPES)
-        if self.method not in _POPULATION:
-            raise UnknownNameError("method", self.method, _POPULATION)
-        if self.start not in ("zero", "middle"):
-            raise UnknownNameError("start", self.start, ("zero", "middle"))
+        word("solver", self.solver, SOLVERS)
+        word("shape", self.shape, SHAPES)
+        word("method", self.method, _POPULATION)
+        word("start", self.start, ("zero", "middle"))
         whole_number("goals", self.goals, 1)
         whole_number("evaluations", self.evaluations, 1)
         whole_number("runs", self.runs, 1)
@@ -133,6 +128,7 @@ class Tuning:
         **fields
             Other fields that are to differ from the usual ones.
         """
+        word("solver", solver, SOLVERS)
         return cls(solver=solver, **(_USUAL.get(solver, {}) | fields))
 
     def identity(self, robot: Robot) -> dict[str, Any]:

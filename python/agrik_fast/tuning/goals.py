@@ -83,6 +83,7 @@ def volume_uniform(
         Points, m; each is the tool point of a posture within the limits.
     """
     count = whole_number("count", count, 1)
+    draws = whole_number("draws", draws, 1)
     voxel_m = real_number("voxel_m", voxel_m, 0, open_low=True, unit="m")
     points = joint_uniform(robot, draws, seed)
     _, first = np.unique(np.floor(points / voxel_m), axis=0, return_index=True)

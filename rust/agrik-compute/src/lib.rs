@@ -10,5 +10,5 @@ pub mod random;
 
 pub mod threads;
 
-pub use allowed::Allowed;
+pub use allowed::{Allowed, Field, Number};
 pub use error::{Error, Result};

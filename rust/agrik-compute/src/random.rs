@@ -24,6 +24,12 @@ impl Sequence {
         Self(Xoshiro256PlusPlus::seed_from_u64(key))
     }
 
+    /// 64 random bits.
+    #[inline]
+    pub fn word(&mut self) -> u64 {
+        self.0.next_u64()
+    }
+
     /// A number in [0, 1) with 53 random bits.
     #[inline]
     pub fn uniform(&mut self) -> f64 {

@@ -22,6 +22,8 @@ const ROUNDING: f64 = 1e-14;
 /// Arrays of at most this many numbers are handed to Python as copies, which is quicker
 /// than handing over the memory.
 pub const SMALL: usize = 512;
+/// Most dimensions of an array: newer NumPys have more, their interface for Rust has not.
+const MOST_DIMENSIONS: usize = 32;
 /// Numbers that a thread copies at a time.
 const PIECE: usize = 1 << 14;
 
@@ -123,7 +125,18 @@ pub fn numbers<'py>(
         let received = format!("an array of {dtype}");
         return Err(errors::argument(py, argument, &received, "an array of numbers"));
     }
+    check_dimensions(py, argument, array.ndim())?;
     Ok(array)
+}
+
+/// Refuses an argument that has too many dimensions, or whose answer would have.
+pub fn check_dimensions(py: Python<'_>, argument: &str, count: usize) -> PyResult<()> {
+    if count <= MOST_DIMENSIONS {
+        return Ok(());
+    }
+    let received = format!("{count} dimensions of it or its answer");
+    let expected = format!("at most {MOST_DIMENSIONS} dimensions");
+    Err(errors::argument(py, argument, &received, &expected))
 }
 
 /// A shape the way Python writes it.

@@ -7,6 +7,7 @@ mod errors;
 mod ik;
 mod result;
 mod robot;
+mod single_use;
 mod solvers;
 mod threads;
 
@@ -21,6 +22,8 @@ mod _native {
     use arms::strawberry::{StrawberryArm, ik_record};
     #[pymodule_export]
     use arms::tomato::{TomatoArm, ik_paced};
+    #[pymodule_export]
+    use errors::_panic;
     #[pymodule_export]
     use ik::branches::Branches;
     #[pymodule_export]
@@ -39,6 +42,7 @@ mod _native {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        errors::guard_against_panics(module.py())?;
         errors::warn_of_debug_build(module.py())?;
         threads::warn_of_unmet_wish(module.py())
     }

@@ -12,13 +12,21 @@ use crate::convert::{SMALL, array, copied};
 
 /// Numbers that become an array, once: few of them as a copy, many by handing over their memory.
 pub(crate) struct Column<T> {
-    values: Mutex<Vec<T>>,
+    numbers: Numbers<T>,
     array: PyOnceLock<Py<PyArrayDyn<T>>>,
+}
+
+enum Numbers<T> {
+    /// Read without a lock, since making an array may run code of others that comes back here.
+    Few(Vec<T>),
+    Many(Mutex<Vec<T>>),
 }
 
 impl<T: Element + Copy> Column<T> {
     pub(crate) fn new(values: Vec<T>) -> Self {
-        Self { values: Mutex::new(values), array: PyOnceLock::new() }
+        let few = values.len() <= SMALL;
+        let numbers = if few { Numbers::Few(values) } else { Numbers::Many(Mutex::new(values)) };
+        Self { numbers, array: PyOnceLock::new() }
     }
 
     /// An array that is filled already.
@@ -26,7 +34,7 @@ impl<T: Element + Copy> Column<T> {
         let once = PyOnceLock::new();
         // A new cell is empty: this cannot fail.
         let _ = Python::attach(|py| once.set(py, array));
-        Self { values: Mutex::new(Vec::new()), array: once }
+        Self { numbers: Numbers::Few(Vec::new()), array: once }
     }
 
     pub(crate) fn get<'py>(
@@ -34,15 +42,13 @@ impl<T: Element + Copy> Column<T> {
         py: Python<'py>,
         shape: &[usize],
     ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
-        if shape.iter().product::<usize>() <= SMALL {
-            return self.get_or(py, || {
-                let locked = self.values.lock().unwrap_or_else(PoisonError::into_inner);
-                copied(py, shape, &locked)
-            });
-        }
+        let values = match &self.numbers {
+            Numbers::Few(values) => return self.get_or(py, || copied(py, shape, values)),
+            Numbers::Many(values) => values,
+        };
         let made = self.array.get_or_try_init(py, || {
             // The lock is let go before Python runs.
-            let mut locked = self.values.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut locked = values.lock().unwrap_or_else(PoisonError::into_inner);
             let values = std::mem::take(&mut *locked);
             drop(locked);
             array(py, shape, values).map(Bound::unbind)

@@ -9,7 +9,7 @@ use agrik::call::solve_at;
 use agrik::chain::Chain;
 use agrik::kinematics::{Workspace, columns, forward};
 use agrik::lanes::{Kernel, Real, dispatch};
-use agrik::solve::Settings;
+use agrik::solve::{Lengths, Settings};
 use common::arms::{ARMS, arm, poses, postures};
 use common::{Width, levels, pose_plan};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -45,8 +45,9 @@ impl Kernel for Steps<'_> {
         let mut change = vec![R::zero(); compiled.dof];
         let mut error = [R::splat(0.1); 6];
         let step = Settings::LEVENBERG_MARQUARDT.step;
+        let lengths = Lengths::new(1.0, false);
         for _ in 0..STEPS {
-            step.compute(&jacobian, &error, &mut change);
+            step.compute(&jacobian, &error, &lengths, &mut change);
             error[0] = change[0];
         }
         *self.sum += error[0].lane(0);

@@ -23,7 +23,7 @@ pub struct Auto<'a> {
     query: Query<'a>,
     request: Request<'a>,
     /// Made for the first target that needs it: mostly none does.
-    plan: OnceLock<Result<Plan<'a>>>,
+    plan: OnceLock<Result<Box<Plan<'a>>>>,
 }
 
 impl<'a> Auto<'a> {
@@ -44,7 +44,8 @@ impl<'a> Auto<'a> {
         if open.is_empty() {
             return true;
         }
-        let plan = self.plan.get_or_init(|| Plan::new(self.request, Settings::default()));
+        let plan =
+            self.plan.get_or_init(|| Plan::new(self.request, Settings::default()).map(Box::new));
         // The request is checked and the settings are the default: there is a plan. Without
         // one the targets would stay as the closed form left them.
         let Ok(plan) = plan else {

@@ -16,4 +16,7 @@ pub mod solvers;
 pub mod task;
 pub mod tune;
 
-pub use agrik_compute::{Allowed, Error, Result, error, lanes, random, threads};
+pub use agrik_compute::allowed::LARGEST;
+pub use agrik_compute::{
+    Allowed, Error, Field, Number, Result, allowed, error, lanes, random, threads,
+};

@@ -4,6 +4,7 @@
 //! half a turn; they are scaled by a length per radian so that they can stand beside
 //! metres in one sum of squares. Tolerances apply to the unscaled errors.
 
+use crate::allowed::{LARGEST, is_measure};
 use crate::chain::Tail;
 use crate::error::{Error, Result};
 use crate::kinematics::Workspace;
@@ -51,12 +52,12 @@ impl Task {
                 Ok(Self::Axis { tool_axis: unit })
             }
             Self::Masked { weights, .. }
-                if weights.iter().any(|w| !w.is_finite() || *w < 0.0)
+                if weights.iter().any(|w| !is_measure(*w) || *w < 0.0)
                     || weights.iter().all(|w| *w == 0.0) =>
             {
                 Err(Error::argument(
                     "weights",
-                    "six finite numbers, none negative, at least one positive",
+                    format!("six numbers, 0 to {LARGEST:e}, at least one positive"),
                     format!("{weights:?}"),
                 ))
             }
@@ -168,6 +169,9 @@ impl<R: Real> Rows<R, 3> for PositionRows {
 pub struct PoseRows {
     /// Length per radian, m.
     pub scale: f64,
+    /// The way from the point whose position the rows compare to the tool point whose position
+    /// counts, in the last joint's frame, m; none where they are one.
+    pub onward: Option<[f64; 3]>,
 }
 
 impl<R: Real> Rows<R, 6> for PoseRows {
@@ -177,9 +181,19 @@ impl<R: Real> Rows<R, 6> for PoseRows {
         let p = sub(goal.position, tool);
         let o = rotation_between(at.joint_axes(), goal.axes);
         let s = R::splat(self.scale);
+        let position2 = match self.onward {
+            None => dot(p, p),
+            Some(onward) => {
+                let mut tool = p;
+                for ((from, to), along) in at.joint_axes().iter().zip(goal.axes).zip(onward) {
+                    tool = axpy(sub(to, *from), R::splat(along), tool);
+                }
+                dot(tool, tool)
+            }
+        };
         TaskError {
             rows: [p[0], p[1], p[2], s * o[0], s * o[1], s * o[2]],
-            position2: dot(p, p),
+            position2,
             orientation2: dot(o, o),
         }
     }

@@ -147,7 +147,7 @@ fn a_trace_falls_and_ends_where_the_run_does() {
     let poses = reachable(&chain, 3, 5);
     let evolution = Evolution::new(request(&chain, &poses, Starts::Free), Settings::PUBLISHED)
         .expect("settings");
-    let trace = evolution.trace(Level::in_use(), 1).expect("a trace");
+    let trace = evolution.trace(Level::in_use(), 1, &mut || true).expect("a trace");
     assert_eq!(trace.len(), 201);
     assert!(trace.windows(2).all(|pair| pair[1] <= pair[0]));
     assert!(trace[200] < 1e-2 * trace[0]);

@@ -10,6 +10,7 @@ use pyo3::types::PyDict;
 
 use crate::convert::{Floats, array, shape_text, wrong_shape};
 use crate::errors;
+use crate::ik::signals::Signals;
 use crate::result::IkResult;
 
 /// Targets from which on the interpreter is released.
@@ -180,9 +181,13 @@ impl StrawberryArm {
         let method = self::method(py, method, s10_share, theta_rule, theta_step)?;
         let (floats, leading) = rows::<3>("targets", targets)?;
         let points: &[[f64; 3]] = floats.values()?.as_chunks().0;
-        let solve = || self.0.solve_all(points, &method);
-        let made = if points.len() < MANY { solve() } else { py.detach(solve) };
-        let made = made.map_err(|error| errors::from_core(py, error))?;
+        let mut signals = Signals::new();
+        let made = if points.len() < MANY {
+            self.0.solve_all(points, &method, &mut || signals.go_on_attached(py))
+        } else {
+            py.detach(|| self.0.solve_all(points, &method, &mut || signals.go_on_detached()))
+        };
+        let made = made.map_err(|error| signals.exception(py, error))?;
         Ok((
             IkResult::new(leading.clone(), 5, made.answers),
             array(py, &leading, made.energy)?,
@@ -286,7 +291,11 @@ impl StrawberryArm {
         let (floats, mut shape) = rows::<3>("targets", targets)?;
         let points: &[[f64; 3]] = floats.values()?.as_chunks().0;
         let shift = |t: &[f64; 3]| self.0.suggest_base_shift(*t, may_move).unwrap_or([f64::NAN; 3]);
-        let shifts = py.detach(|| points.iter().flat_map(shift).collect());
+        let mut shifts = Vec::with_capacity(3 * points.len());
+        for some in points.chunks(MANY) {
+            py.detach(|| shifts.extend(some.iter().flat_map(shift)));
+            py.check_signals()?;
+        }
         shape.push(3);
         array(py, &shape, shifts)
     }

@@ -10,7 +10,7 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
 use super::strawberry::{row, rows};
-use crate::convert::array;
+use crate::convert::{array, check_dimensions};
 use crate::errors;
 use crate::ik::signals::Signals;
 use crate::result::IkResult;
@@ -54,7 +54,10 @@ impl TomatoArm {
         let (floats, leading) = rows::<3>("targets", targets)?;
         let current: Joints = row("current", current)?;
         let points: &[[f64; 3]] = floats.values()?.as_chunks().0;
-        let made = py.detach(|| self.0.solve_all(points, &current, branch, follow));
+        let mut signals = Signals::new();
+        let mut go_on = || signals.go_on_detached();
+        let made = py.detach(|| self.0.solve_all(points, &current, branch, follow, &mut go_on));
+        let made = made.map_err(|error| signals.exception(py, error))?;
         Ok((
             IkResult::new(leading.clone(), 3, made.answers),
             array(py, &leading, made.outcome)?,
@@ -71,11 +74,14 @@ impl TomatoArm {
         pan: f64,
     ) -> PyResult<Branches<'py>> {
         let (floats, leading) = rows::<3>("targets", targets)?;
+        check_dimensions(py, "targets", leading.len() + 2)?;
         let points: &[[f64; 3]] = floats.values()?.as_chunks().0;
         let mut q = Vec::with_capacity(points.len() * 12);
         let mut valid = Vec::with_capacity(points.len() * 4);
         let mut outcome = Vec::with_capacity(points.len());
+        let mut signals = Signals::new();
         for target in points {
+            signals.check_attached(py)?;
             use agrik::arms::tomato::Outcome;
             match self.0.branches(*target, pan) {
                 Ok(all) => {

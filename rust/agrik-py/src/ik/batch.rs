@@ -105,7 +105,9 @@ pub fn cost_history(
         let received = format!("{} targets", request.len());
         return Err(errors::argument(py, "targets", &received, "one target"));
     }
-    Evolution::new(request, settings)
-        .and_then(|evolution| py.detach(|| evolution.trace(Level::in_use(), 0)))
-        .map_err(|error| errors::from_core(py, error))
+    let evolution =
+        Evolution::new(request, settings).map_err(|error| errors::from_core(py, error))?;
+    let mut signals = Signals::new();
+    py.detach(|| evolution.trace(Level::in_use(), 0, &mut || signals.go_on_detached()))
+        .map_err(|error| signals.exception(py, error))
 }

@@ -1,7 +1,11 @@
 //! A solver for one target at a time, made once and called from a control loop: what stays
 //! the same from call to call is read once, and a call allocates nothing.
+//!
+//! One caller at a time: a call that meets another one at work is refused, for it may be
+//! that other call itself that waits for it (in a signal handler, or for the interpreter).
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicU8, AtomicU32, AtomicU64, Ordering::Relaxed};
+use std::sync::{Arc, Mutex};
 
 use agrik::call::{Answers, Goals, Starts, Status, solve_into};
 use agrik::chain::Chain;
@@ -9,18 +13,51 @@ use agrik::lanes::Level;
 use agrik::solve::Setup;
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyByteArray;
+use smallvec::{SmallVec, smallvec};
 
 use super::arguments::Options;
 use super::signals::Signals;
 use super::targets::{Targets, first_not_rigid, not_rigid_error};
 use crate::convert::{Floats, internal, numbers, wrong_shape};
 use crate::errors;
+use crate::single_use::take_turn;
 use crate::solvers::solver::step_settings;
 
-/// What a call writes: the last answer and the start that it was given.
-struct Buffers {
-    answers: Answers,
-    start: Vec<f64>,
+/// Start values, without memory from the heap where there are few.
+type Start = SmallVec<[f64; 16]>;
+
+/// The last answer but its joint values. Read without a lock: who reads may be a signal
+/// handler, or another thread that holds the interpreter, while a call is at work.
+struct Last {
+    status: AtomicU8,
+    /// Bits of the errors, m and rad.
+    position_error: AtomicU64,
+    orientation_error: AtomicU64,
+    iterations: AtomicU32,
+    restarts: AtomicU32,
+}
+
+impl Last {
+    fn new(answers: &Answers) -> Self {
+        let last = Self {
+            status: AtomicU8::default(),
+            position_error: AtomicU64::default(),
+            orientation_error: AtomicU64::default(),
+            iterations: AtomicU32::default(),
+            restarts: AtomicU32::default(),
+        };
+        last.set(answers);
+        last
+    }
+
+    fn set(&self, answers: &Answers) {
+        self.status.store(answers.status[0], Relaxed);
+        self.position_error.store(answers.position_error[0].to_bits(), Relaxed);
+        self.orientation_error.store(answers.orientation_error[0].to_bits(), Relaxed);
+        self.iterations.store(answers.iterations[0], Relaxed);
+        self.restarts.store(answers.restarts[0], Relaxed);
+    }
 }
 
 /// A solver for one target at a time; see `agrik_fast.Robot.solver`.
@@ -32,8 +69,21 @@ pub struct TargetSolver {
     direction: Option<[f64; 3]>,
     seed: u64,
     first_index: u64,
+    /// The array that users get, and another one of the same memory for ourselves: theirs
+    /// may be given another shape, type or flag.
     q: Py<PyArray1<f64>>,
-    buffers: Mutex<Buffers>,
+    own_q: Py<PyArray1<f64>>,
+    answers: Mutex<Answers>,
+    last: Last,
+}
+
+/// An array of numbers twice. A byte array holds the memory, which can be neither resized
+/// nor let go while arrays lie over it.
+fn twins(py: Python<'_>, size: usize) -> PyResult<[Py<PyArray1<f64>>; 2]> {
+    let memory = PyByteArray::new(py, &vec![0; size * size_of::<f64>()]);
+    let frombuffer = py.import("numpy")?.getattr("frombuffer")?;
+    let array = || -> PyResult<_> { Ok(frombuffer.call1((&memory,))?.cast_into()?.unbind()) };
+    Ok([array()?, array()?])
 }
 
 impl TargetSolver {
@@ -46,12 +96,15 @@ impl TargetSolver {
     ) -> PyResult<Self> {
         let Options { direction, aim, seed, first_index, .. } = options;
         let settings = step_settings(solver, chain.name())?;
-        let dof = chain.dof();
         let setup = Setup::new(&chain, aim, settings);
+        let [q, own_q] = twins(py, chain.dof())?;
+        let answers = Answers::new(1, chain.dof());
         Ok(Self {
             setup: setup.map_err(|error| errors::from_core(py, error))?,
-            q: PyArray1::zeros(py, dof, false).unbind(),
-            buffers: Mutex::new(Buffers { answers: Answers::new(1, dof), start: vec![0.0; dof] }),
+            q,
+            own_q,
+            last: Last::new(&answers),
+            answers: Mutex::new(answers),
             chain,
             direction,
             seed,
@@ -59,13 +112,9 @@ impl TargetSolver {
         })
     }
 
-    fn lock(&self) -> MutexGuard<'_, Buffers> {
-        // A panic while the lock was held left numbers behind, at worst old ones.
-        self.buffers.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Copies a start of the right length.
-    fn read_start(&self, q0: &Bound<'_, PyAny>, start: &mut [f64]) -> PyResult<()> {
+    /// A copy of a start of the right length.
+    fn start(&self, q0: &Bound<'_, PyAny>) -> PyResult<Start> {
+        let mut start: Start = smallvec![0.0; self.chain.dof()];
         if let Ok(array) = q0.cast::<PyArray1<f64>>()
             && array.len() == start.len()
             && array.is_aligned()
@@ -73,7 +122,7 @@ impl TargetSolver {
             for (i, x) in start.iter_mut().enumerate() {
                 *x = array.get_owned(i).unwrap_or(f64::NAN);
             }
-            return Ok(());
+            return Ok(start);
         }
         let array = numbers("q0", q0)?;
         if array.shape() != [start.len()] {
@@ -81,7 +130,7 @@ impl TargetSolver {
             return Err(wrong_shape(q0.py(), "q0", array.shape(), &expected));
         }
         start.copy_from_slice(Floats::new("q0", array.as_any())?.values()?);
-        Ok(())
+        Ok(start)
     }
 }
 
@@ -102,15 +151,9 @@ impl TargetSolver {
         }
         let values = target.values()?;
         let direction = self.direction;
-        let mut buffers = self.lock();
-        let Buffers { answers, start } = &mut *buffers;
-        let starts = match q0 {
-            None => Starts::Free,
-            Some(q0) => {
-                self.read_start(q0, start)?;
-                Starts::One(start)
-            }
-        };
+        // Arguments first: to read them may run code of the caller, which may come back here.
+        let start = q0.map(|q0| self.start(q0)).transpose()?;
+        let starts = start.as_ref().map_or(Starts::Free, |start| Starts::One(start));
         let point;
         let goals = if target.are_poses() {
             let poses: &[[f64; 16]] = values.as_chunks().0;
@@ -132,11 +175,16 @@ impl TargetSolver {
             .setup
             .plan(&self.chain, goals, starts, seed, first_index)
             .map_err(|error| errors::from_core(py, error))?;
+        let mut answers = take_turn(&self.answers).ok_or_else(|| {
+            let instead = "make one for each thread with Robot.solver";
+            errors::concurrent_use(py, "this solver", instead)
+        })?;
         let mut signals = Signals::new();
-        solve_into(Level::in_use(), &plan, 1, answers, &mut || signals.go_on_attached(py))
+        solve_into(Level::in_use(), &plan, 1, &mut answers, &mut || signals.go_on_attached(py))
             .map_err(|error| signals.exception(py, error))?;
-        let mut q = self.q.bind(py).try_readwrite().map_err(internal)?;
+        let mut q = self.own_q.bind(py).try_readwrite().map_err(internal)?;
         q.as_slice_mut().map_err(internal)?.copy_from_slice(&answers.q);
+        self.last.set(&answers);
         Ok(answers.success(0))
     }
 
@@ -149,36 +197,36 @@ impl TargetSolver {
     /// Whether the last target was reached, by a final FK check.
     #[getter]
     fn success(&self) -> bool {
-        self.lock().answers.status[0] == Status::Converged as u8
+        self.last.status.load(Relaxed) == Status::Converged as u8
     }
 
     /// Code of `agrik_fast.Status` of the last answer.
     #[getter]
     fn status(&self) -> u8 {
-        self.lock().answers.status[0]
+        self.last.status.load(Relaxed)
     }
 
     /// Distance of the tool point from the last target, m.
     #[getter]
     fn position_error(&self) -> f64 {
-        self.lock().answers.position_error[0]
+        f64::from_bits(self.last.position_error.load(Relaxed))
     }
 
     /// Angle left to the last target's orientation, rad.
     #[getter]
     fn orientation_error(&self) -> f64 {
-        self.lock().answers.orientation_error[0]
+        f64::from_bits(self.last.orientation_error.load(Relaxed))
     }
 
     /// Steps taken for the last answer, over all attempts.
     #[getter]
     fn iterations(&self) -> u32 {
-        self.lock().answers.iterations[0]
+        self.last.iterations.load(Relaxed)
     }
 
     /// Attempts after the first for the last answer.
     #[getter]
     fn restarts(&self) -> u32 {
-        self.lock().answers.restarts[0]
+        self.last.restarts.load(Relaxed)
     }
 }

@@ -40,6 +40,14 @@ impl Signals {
         self.check(py)
     }
 
+    /// [`Signals::go_on_attached`] for a loop of the bindings' own.
+    pub fn check_attached(&mut self, py: Python<'_>) -> PyResult<()> {
+        if self.go_on_attached(py) {
+            return Ok(());
+        }
+        Err(self.raised.take().unwrap_or_else(|| errors::from_core(py, Error::Interrupted)))
+    }
+
     /// The exception for a call that failed: what the signal raised, if one ended it.
     pub fn exception(self, py: Python<'_>, error: Error) -> PyErr {
         self.raised.unwrap_or_else(|| errors::from_core(py, error))

@@ -28,7 +28,7 @@ pub fn wanted(task: Option<&Bound<'_, PyAny>>, targets_are_poses: bool) -> PyRes
         return Ok(task.into());
     };
     if let Ok(name) = task.cast::<PyString>() {
-        return match name.to_str()? {
+        return match &*name.to_string_lossy() {
             "position" => Ok(Task::Position.into()),
             "pose" => Ok(Task::Pose.into()),
             "axis" => Ok(Task::Axis { tool_axis: [0.0, 0.0, 1.0] }.into()),
@@ -37,6 +37,12 @@ pub fn wanted(task: Option<&Bound<'_, PyAny>>, targets_are_poses: bool) -> PyRes
             }
         };
     }
+    let expected = "a task of agrik_fast.tasks, with all its fields";
+    errors::whole_object("task", task, expected, of_object(task))
+}
+
+/// The task with the fields of an object.
+fn of_object(task: &Bound<'_, PyAny>) -> PyResult<Wanted> {
     let refuse = || {
         let expected = "a task of agrik_fast.tasks or one of position, pose, axis";
         errors::value("task", task, expected)

@@ -8,7 +8,7 @@ use agrik::task::Task;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
-use crate::convert::{Floats, array, numbers, transform, wrong_shape};
+use crate::convert::{Floats, array, check_dimensions, numbers, transform, wrong_shape};
 use crate::errors;
 use crate::ik::arguments::tail;
 
@@ -66,6 +66,7 @@ fn for_each_row<'py>(
     let py = q.py();
     let q = JointValues::new(q, chain.dof())?;
     let shape = q.shape_with(answer);
+    check_dimensions(py, "q", shape.len())?;
     let values = q.values()?;
     let size: usize = answer.iter().product();
     let rows = values.len() / chain.dof();

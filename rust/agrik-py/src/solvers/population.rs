@@ -2,12 +2,12 @@
 //! back for the defaults.
 
 use agrik::solve::population::{
-    Adaptation, Algorithm, Boundary, Differential, Genetic, Mutation, Orientation, Redraw, Settings,
+    Adaptation, Algorithm, Boundary, Mutation, Orientation, Redraw, Settings,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{real, whole};
+use super::solver::{read, write};
 use crate::errors;
 
 /// A choice that Python makes by a word.
@@ -51,14 +51,6 @@ impl Fields<'_, '_> {
             }
         }
     }
-
-    fn number(&self, name: &str) -> PyResult<f64> {
-        real(name, &self.0.getattr(name)?)
-    }
-
-    fn count(&self, name: &str) -> PyResult<u32> {
-        Ok(whole(name, &self.0.getattr(name)?, 0, u32::MAX.into())? as u32)
-    }
 }
 
 fn listed<T, const N: usize>(known: &Words<T, N>) -> String {
@@ -69,49 +61,26 @@ fn listed<T, const N: usize>(known: &Words<T, N>) -> String {
 /// defaults.
 pub fn settings(solver: &Bound<'_, PyAny>, defaults: Settings) -> PyResult<Settings> {
     let from = Fields(solver);
-    let algorithm = match defaults.algorithm {
-        Algorithm::Differential(_) => {
+    let mut settings = defaults;
+    match &mut settings.algorithm {
+        Algorithm::Differential(it) => {
             let crossover = solver.getattr("crossover")?;
-            let crossover: (f64, f64) = crossover
+            it.crossover = crossover
                 .extract()
                 .map_err(|_| errors::value("crossover", &crossover, "two numbers"))?;
-            Algorithm::Differential(Differential {
-                mutation: from.word("mutation", &MUTATIONS)?,
-                adaptation: from.word("adaptation", &ADAPTATIONS)?,
-                weight: from.number("weight")?,
-                crossover,
-                redraw: from.word("redraw", &REDRAWS)?,
-                boundary: from.word("boundary", &BOUNDARIES)?,
-            })
+            it.mutation = from.word("mutation", &MUTATIONS)?;
+            it.adaptation = from.word("adaptation", &ADAPTATIONS)?;
+            it.redraw = from.word("redraw", &REDRAWS)?;
+            it.boundary = from.word("boundary", &BOUNDARIES)?;
         }
-        Algorithm::Genetic(_) => Algorithm::Genetic(Genetic {
-            tournament: from.count("tournament")?,
-            crossover_rate: from.number("crossover_rate")?,
-            crossover_index: from.number("crossover_index")?,
-            mutation_rate: from.number("mutation_rate")?,
-            mutation_width: from.number("mutation_width")?,
-            elites: from.count("elites")?,
-            boundary: from.word("boundary", &BOUNDARIES)?,
-        }),
-    };
-    let orientation_weight = solver.getattr("orientation_weight")?;
-    Ok(Settings {
-        algorithm,
-        population: from.count("population")?,
-        generations: from.count("generations")?,
-        max_restarts: from.count("max_restarts")?,
-        orientation: from.word("orientation", &ORIENTATIONS)?,
-        position_weight: from.number("position_weight")?,
-        orientation_weight: if orientation_weight.is_none() {
-            None
-        } else {
-            Some(real("orientation_weight", &orientation_weight)?)
-        },
-        start_weight: from.number("start_weight")?,
-        target_cost: from.number("target_cost")?,
-        stagnation: from.count("stagnation")?,
-        polish: solver.getattr("polish")?.is_truthy()?,
-    })
+        Algorithm::Genetic(it) => it.boundary = from.word("boundary", &BOUNDARIES)?,
+    }
+    settings.orientation = from.word("orientation", &ORIENTATIONS)?;
+    settings.polish = solver.getattr("polish")?.is_truthy()?;
+    let weighted = !solver.getattr("orientation_weight")?.is_none();
+    settings.orientation_weight = weighted.then_some(0.0);
+    read(solver, settings.fields())?;
+    Ok(settings)
 }
 
 fn word_of<T: Copy + PartialEq, const N: usize>(known: &Words<T, N>, value: T) -> &'static str {
@@ -125,30 +94,18 @@ pub fn fields<'py>(py: Python<'py>, settings: &Settings) -> PyResult<Bound<'py, 
         Algorithm::Differential(it) => {
             fields.set_item("mutation", word_of(&MUTATIONS, it.mutation))?;
             fields.set_item("adaptation", word_of(&ADAPTATIONS, it.adaptation))?;
-            fields.set_item("weight", it.weight)?;
             fields.set_item("crossover", it.crossover)?;
             fields.set_item("redraw", word_of(&REDRAWS, it.redraw))?;
             fields.set_item("boundary", word_of(&BOUNDARIES, it.boundary))?;
         }
         Algorithm::Genetic(it) => {
-            fields.set_item("tournament", it.tournament)?;
-            fields.set_item("crossover_rate", it.crossover_rate)?;
-            fields.set_item("crossover_index", it.crossover_index)?;
-            fields.set_item("mutation_rate", it.mutation_rate)?;
-            fields.set_item("mutation_width", it.mutation_width)?;
-            fields.set_item("elites", it.elites)?;
             fields.set_item("boundary", word_of(&BOUNDARIES, it.boundary))?;
         }
     }
-    fields.set_item("population", settings.population)?;
-    fields.set_item("generations", settings.generations)?;
-    fields.set_item("max_restarts", settings.max_restarts)?;
     fields.set_item("orientation", word_of(&ORIENTATIONS, settings.orientation))?;
-    fields.set_item("position_weight", settings.position_weight)?;
     fields.set_item("orientation_weight", settings.orientation_weight)?;
-    fields.set_item("start_weight", settings.start_weight)?;
-    fields.set_item("target_cost", settings.target_cost)?;
-    fields.set_item("stagnation", settings.stagnation)?;
     fields.set_item("polish", settings.polish)?;
+    let mut numbers = *settings;
+    write(&fields, numbers.fields())?;
     Ok(fields)
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use agrik::closed_form::Choice;
 use agrik::solve::{Pid, PidOrder, Settings, StartRule, StateSpace, Step, population as search};
 use agrik::solvers::Solver;
+use agrik::{Field, Number};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
@@ -33,8 +34,15 @@ pub fn chosen(solver: Option<&Bound<'_, PyAny>>, robot: &str) -> PyResult<Solver
     let Some(solver) = solver else { return Ok(Solver::default()) };
     let py = solver.py();
     if let Ok(name) = solver.cast::<PyString>() {
-        return named(py, name.to_str()?);
+        return named(py, &name.to_string_lossy());
     }
+    let expected = "a solver of agrik_fast.solvers, with all its fields";
+    errors::whole_object("solver", solver, expected, of_object(solver, robot))
+}
+
+/// The solver with the fields of an object.
+fn of_object(solver: &Bound<'_, PyAny>, robot: &str) -> PyResult<Solver> {
+    let py = solver.py();
     let name = solver.getattr("name").and_then(|name| name.extract::<String>()).map_err(|_| {
         let names = Solver::names().collect::<Vec<_>>().join(", ");
         let expected = format!("a solver of agrik_fast.solvers or one of {names}");
@@ -76,9 +84,10 @@ fn closed_form(solver: &Bound<'_, PyAny>) -> PyResult<Solver> {
 
 /// A step solver as textbooks have it.
 fn plain(solver: &Bound<'_, PyAny>, robot: &str) -> PyResult<Solver> {
+    let iterations = solver.getattr("max_iterations")?;
     let inner = step_settings(Some(&solver.getattr("solver")?), robot)?;
     Ok(Solver::Step(Settings {
-        max_iterations: count(solver, "max_iterations")?,
+        max_iterations: whole("max_iterations", &iterations, 1, u32::MAX.into())? as u32,
         max_restarts: 0,
         max_step: f64::MAX,
         plain: true,
@@ -105,8 +114,36 @@ pub fn start_rule(value: &Bound<'_, PyAny>) -> PyResult<StartRule> {
     word("start", value, &STARTS)
 }
 
-fn count(solver: &Bound<'_, PyAny>, name: &str) -> PyResult<u32> {
-    Ok(whole(name, &solver.getattr(name)?, 0, u32::MAX.into())? as u32)
+/// Reads numbers from the attributes of an object.
+pub fn read<'f>(
+    solver: &Bound<'_, PyAny>,
+    fields: impl IntoIterator<Item = Field<'f>>,
+) -> PyResult<()> {
+    for Field { name, value, allowed } in fields {
+        let given = solver.getattr(name)?;
+        let refuse = || errors::value(name, &given, &allowed.to_string());
+        match value {
+            Number::Real(x) => *x = real(name, &given).map_err(|_| refuse())?,
+            Number::Count(n) => {
+                *n = whole(name, &given, 0, u32::MAX.into()).map_err(|_| refuse())? as u32;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Writes numbers into a dictionary by their names.
+pub fn write<'f>(
+    to: &Bound<'_, PyDict>,
+    fields: impl IntoIterator<Item = Field<'f>>,
+) -> PyResult<()> {
+    for Field { name, value, .. } in fields {
+        match value {
+            Number::Real(x) => to.set_item(name, *x)?,
+            Number::Count(n) => to.set_item(name, *n)?,
+        }
+    }
+    Ok(())
 }
 
 fn number(solver: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
@@ -116,26 +153,24 @@ fn number(solver: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
 /// The settings of a step solver with the fields of an object.
 fn step(solver: &Bound<'_, PyAny>, defaults: Settings, robot: &str) -> PyResult<Settings> {
     let mut settings = defaults;
-    settings.max_iterations = count(solver, "max_iterations")?;
-    settings.max_restarts = count(solver, "max_restarts")?;
     match &mut settings.step {
-        Step::Transpose | Step::FixedTranspose { .. } | Step::ClosedPseudoInverse => {}
-        Step::PseudoInverse { cutoff } => *cutoff = number(solver, "cutoff")?,
-        Step::Damped { damping } | Step::LevenbergMarquardt { damping } => {
-            *damping = number(solver, "damping")?;
-        }
-        Step::CyclicCoordinateDescent => {
-            settings.start = start_rule(&solver.getattr("start")?)?;
-            return Ok(settings);
-        }
-        feedback => {
+        Step::CyclicCoordinateDescent => settings.start = start_rule(&solver.getattr("start")?)?,
+        feedback @ (Step::IkPid(_)
+        | Step::StateSpace(_)
+        | Step::StaticGain(_)
+        | Step::Broyden { .. }) => {
             gains::check_robot(solver, robot)?;
             *feedback = law(solver, feedback)?;
             settings.start = start_rule(&solver.getattr("start")?)?;
-            return Ok(settings);
         }
+        Step::Transpose
+        | Step::FixedTranspose { .. }
+        | Step::ClosedPseudoInverse
+        | Step::PseudoInverse { .. }
+        | Step::Damped { .. }
+        | Step::LevenbergMarquardt { .. } => {}
     }
-    settings.max_step = number(solver, "max_step")?;
+    read(solver, settings.fields())?;
     Ok(settings)
 }
 
@@ -161,10 +196,8 @@ fn law(solver: &Bound<'_, PyAny>, kind: &Step) -> PyResult<Step> {
             units: gains::units(solver)?,
         }))),
         Step::StaticGain(_) => Step::StaticGain(gains::static_gain(solver)?),
-        _ => Step::Broyden {
-            gain: gains::static_gain(solver)?,
-            patience: count(solver, "patience")?,
-        },
+        // Its patience is among the numbers that are read with those of the loop.
+        _ => Step::Broyden { gain: gains::static_gain(solver)?, patience: 1 },
     })
 }
 
@@ -172,26 +205,9 @@ fn law(solver: &Bound<'_, PyAny>, kind: &Step) -> PyResult<Step> {
 #[pyfunction]
 pub fn default_settings(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let all = PyDict::new(py);
-    for (name, settings) in Settings::KNOWN {
+    for (name, mut settings) in Settings::KNOWN {
         let fields = PyDict::new(py);
-        let mut has_max_step = true;
-        match &settings.step {
-            Step::Transpose | Step::FixedTranspose { .. } | Step::ClosedPseudoInverse => {}
-            Step::PseudoInverse { cutoff } => fields.set_item("cutoff", cutoff)?,
-            Step::Damped { damping } | Step::LevenbergMarquardt { damping } => {
-                fields.set_item("damping", damping)?;
-            }
-            Step::Broyden { patience, .. } => {
-                has_max_step = false;
-                fields.set_item("patience", patience)?;
-            }
-            _ => has_max_step = false,
-        }
-        fields.set_item("max_iterations", settings.max_iterations)?;
-        fields.set_item("max_restarts", settings.max_restarts)?;
-        if has_max_step {
-            fields.set_item("max_step", settings.max_step)?;
-        }
+        write(&fields, settings.fields())?;
         all.set_item(name, fields)?;
     }
     for (name, settings) in &search::Settings::KNOWN {
@@ -200,11 +216,14 @@ pub fn default_settings(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     Ok(all)
 }
 
-/// Refuse a solver whose settings are out of their ranges.
+/// Refuse a solver with settings that are not allowed.
 #[pyfunction]
 pub fn check_solver(solver: &Bound<'_, PyAny>) -> PyResult<()> {
     let py = solver.py();
-    chosen(Some(solver), "")?.check().map_err(|error| errors::from_core(py, error))
+    // Gains say for which robot they were made; here they are looked at for themselves.
+    let robot = solver.getattr("robot").and_then(|robot| robot.extract::<Option<String>>());
+    let robot = robot.ok().flatten().unwrap_or_default();
+    chosen(Some(solver), &robot)?.check().map_err(|error| errors::from_core(py, error))
 }
 
 /// Return the names of all solvers, step solvers first.

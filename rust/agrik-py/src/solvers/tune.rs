@@ -1,6 +1,6 @@
 //! The class `Tuner`: a search over a solver's gains, advanced from Python.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use agrik::chain;
 use agrik::solve::{StartRule, Step};
@@ -11,7 +11,9 @@ use pyo3::types::PyDict;
 
 use super::solver;
 use crate::convert::{Floats, array, real, whole};
+use crate::ik::signals::Signals;
 use crate::robot::chain::Chain;
+use crate::single_use::take_turn;
 use crate::{errors, threads};
 
 const SHAPES: [(&str, Shape); 3] =
@@ -49,10 +51,19 @@ impl Tuner {
         }
     }
 
-    fn search(&self) -> MutexGuard<'_, Search> {
+    fn search(&self) -> Option<MutexGuard<'_, Search>> {
         // A generation is taken over as a whole, so a panic in one leaves the last.
-        self.search.lock().unwrap_or_else(PoisonError::into_inner)
+        take_turn(&self.search)
     }
+
+    /// The search, read or changed by a caller who finds it idle.
+    fn idle(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Search>> {
+        self.search().ok_or_else(|| busy(py))
+    }
+}
+
+fn busy(py: Python<'_>) -> PyErr {
+    errors::concurrent_use(py, "this tuner", "wait until its generation is done")
 }
 
 /// Joint values that move the tool point somewhere within the limits.
@@ -133,21 +144,24 @@ impl Tuner {
             threads: threads::number(threads, "threads")?,
             search: Mutex::new(search),
         };
-        let ordered = py
-            .detach(|| tuner.problem_of(goals).hardest_first(&first, tuner.threads, &mut || true));
-        tuner.goals = ordered.map_err(|error| errors::from_core(py, error))?;
+        let mut signals = Signals::new();
+        let mut go_on = || signals.go_on_detached();
+        let ordered =
+            py.detach(|| tuner.problem_of(goals).hardest_first(&first, tuner.threads, &mut go_on));
+        tuner.goals = ordered.map_err(|error| signals.exception(py, error))?;
         Ok(tuner)
     }
 
     /// Go on by one generation.
     fn advance(&self, py: Python<'_>) -> PyResult<()> {
-        py.detach(|| {
-            let problem = self.problem();
-            let threads = self.threads;
-            self.search()
-                .advance(&mut |x, bound| problem.cost_below(x, bound, threads, &mut || true))
-        })
-        .map_err(|error| errors::from_core(py, error))
+        let mut signals = Signals::new();
+        let advanced = py.detach(|| {
+            let (problem, threads) = (self.problem(), self.threads);
+            let mut search = self.search()?;
+            let mut go_on = || signals.go_on_detached();
+            Some(search.advance(&mut |x, bound| problem.cost_below(x, bound, threads, &mut go_on)))
+        });
+        advanced.ok_or_else(|| busy(py))?.map_err(|error| signals.exception(py, error))
     }
 
     /// Number of parameters.
@@ -158,20 +172,20 @@ impl Tuner {
 
     /// Vectors judged so far.
     #[getter]
-    fn evaluations(&self) -> u64 {
-        self.search().evaluations()
+    fn evaluations(&self, py: Python<'_>) -> PyResult<u64> {
+        Ok(self.idle(py)?.evaluations())
     }
 
     /// Cost of the best vector so far; infinite before the first generation.
     #[getter]
-    fn cost(&self) -> f64 {
-        self.search().best().map_or(f64::INFINITY, |(_, cost)| cost)
+    fn cost(&self, py: Python<'_>) -> PyResult<f64> {
+        Ok(self.idle(py)?.best().map_or(f64::INFINITY, |(_, cost)| cost))
     }
 
     /// The best vector so far; the start before the first generation.
     #[getter]
     fn best<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let best = self.search().best().map(|(x, _)| x.to_vec());
+        let best = self.idle(py)?.best().map(|(x, _)| x.to_vec());
         let best = best.unwrap_or_else(|| self.family.start());
         array(py, &[best.len()], best)
     }
@@ -180,9 +194,10 @@ impl Tuner {
     fn score(&self, py: Python<'_>, vector: &Bound<'_, PyAny>) -> PyResult<(f64, usize, f64)> {
         let x = Floats::of_shape("vector", vector, &[self.dimension()])?;
         let x = x.values()?;
+        let mut signals = Signals::new();
         let score = py
-            .detach(|| self.problem().score(x, self.threads, &mut || true))
-            .map_err(|error| errors::from_core(py, error))?;
+            .detach(|| self.problem().score(x, self.threads, &mut || signals.go_on_detached()))
+            .map_err(|error| signals.exception(py, error))?;
         Ok((score.cost, score.solved, score.steps))
     }
 
@@ -216,14 +231,14 @@ impl Tuner {
 
     /// Everything that changes while the search runs, as numbers.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let state = self.search().state();
+        let state = self.idle(py)?.state();
         array(py, &[state.len()], state)
     }
 
     /// Take up the search where `state` left it.
     fn restore(&self, state: &Bound<'_, PyAny>) -> PyResult<()> {
         let floats = Floats::new("state", state)?;
-        self.search()
+        self.idle(state.py())?
             .restore(floats.values()?)
             .map_err(|error| errors::from_core(state.py(), error))
     }

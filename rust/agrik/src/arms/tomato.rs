@@ -12,7 +12,7 @@
 //! paper's (5)-(9) have the elbow's sign wrong for its own (10)-(12), X in place of rho, and
 //! an arc cosine that loses the sign of z.
 
-use super::distance;
+use super::{distance, goes_on};
 use crate::call::{Answers, Status};
 use crate::error::{Error, Result};
 use crate::lanes::{Real, hypotenuse};
@@ -196,14 +196,16 @@ impl Arm {
     }
 
     /// Solves a batch of targets (m) from `current`. With `follow`, the targets are a
-    /// path: each starts from the joint values and the branch of the one before.
+    /// path: each starts from the joint values and the branch of the one before. `poll` is
+    /// asked now and then whether to go on.
     pub fn solve_all(
         &self,
         targets: &[[f64; 3]],
         current: &Joints,
         branch: Option<usize>,
         follow: bool,
-    ) -> Solutions {
+        poll: &mut dyn FnMut() -> bool,
+    ) -> Result<Solutions> {
         let rows = targets.len();
         let mut out = Solutions {
             answers: Answers::new(rows, 3),
@@ -213,6 +215,7 @@ impl Arm {
         let (joints, _) = out.answers.q.as_chunks_mut::<3>();
         let (mut at, mut taken) = (*current, branch);
         for (i, (target, q)) in targets.iter().zip(joints).enumerate() {
+            goes_on(i, poll)?;
             let outcome = match self.solve(*target, &at, taken) {
                 Ok((found, b, outcome)) => {
                     *q = found;
@@ -234,7 +237,7 @@ impl Arm {
             out.outcome[i] = outcome as u8;
             out.answers.status[i] = outcome.status() as u8;
         }
-        out
+        Ok(out)
     }
 
     /// The fixed transpose step length above which the linear iteration diverges at a
@@ -340,7 +343,9 @@ mod tests {
         let servo = Arm::new([0.16, 0.16], [0.13, -3.01, -1.0], [3.01, -0.13, 1.0]).unwrap();
         assert_eq!(servo.solve([0.05, 0.0, -0.3], &home, None), Err(Outcome::ServoLimit));
         // Nothing moves unless the target is reached.
-        let out = servo.solve_all(&[[9.0; 3], [f64::NAN; 3]], &home, None, true);
+        let out = servo
+            .solve_all(&[[9.0; 3], [f64::NAN; 3]], &home, None, true, &mut || true)
+            .expect("not interrupted");
         assert_eq!(out.answers.q, [home; 2].concat());
         let off = error(&servo, home, [9.0; 3]);
         assert_eq!(out.answers.position_error, [off, f64::INFINITY]);
@@ -352,7 +357,9 @@ mod tests {
         let arm = free();
         let path: Vec<[f64; 3]> = (0..200).map(|i| [0.2, 0.001 * f64::from(i), 0.1]).collect();
         for b in 0..4 {
-            let out = arm.solve_all(&path, &[0.0; 3], Some(b), true);
+            let out = arm
+                .solve_all(&path, &[0.0; 3], Some(b), true, &mut || true)
+                .expect("not interrupted");
             assert!(out.branch.iter().all(|taken| *taken == b as i8));
             assert!(out.outcome.iter().all(|o| *o == Outcome::Ok as u8));
         }

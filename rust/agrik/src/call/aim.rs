@@ -1,6 +1,7 @@
 //! What counts as reached: the task, how near is near enough, and with which tool.
 
 use crate::Allowed;
+use crate::allowed::check_measures;
 use crate::chain::{Chain, Tail};
 use crate::error::Result;
 use crate::task::Task;
@@ -47,6 +48,9 @@ impl Aim {
     ) -> Result<Self> {
         let task = task.checked()?;
         tolerance.check()?;
+        if let Some(tail) = &tail {
+            check_measures("tool", tail.translation)?;
+        }
         Ok(Self { task, tolerance, tail: tail.unwrap_or(chain.compiled().tail) })
     }
 

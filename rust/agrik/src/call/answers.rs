@@ -10,7 +10,7 @@ pub enum Status {
     OutOfReach = 1,
     /// No attempt ended within tolerance.
     NotFound = 2,
-    /// The target or its start held NaN or infinity.
+    /// The target or its start held NaN, infinity or a number above [`crate::LARGEST`].
     BadInput = 3,
     /// The search came to rest before it reached the target, as in a local minimum (feedback
     /// laws, plain methods and population searches only).

@@ -2,6 +2,7 @@
 
 use super::aim::{Aim, Tolerance};
 use super::targets::{Copies, Goals, Starts};
+use crate::allowed::is_measure;
 use crate::chain::{Chain, Tail};
 use crate::error::{Error, Result};
 use crate::kinematics::Workspace;
@@ -114,25 +115,26 @@ impl<'a> Request<'a> {
         self.starts.row(row, self.chain.dof())
     }
 
-    /// The goal of target `row`, or `None` where it or its start is not finite.
+    /// The goal of target `row`, or `None` where it or its start holds a number that is no
+    /// measure: NaN, infinity, or one too large to count with.
     #[inline(always)]
     pub(crate) fn goal(&self, row: usize) -> Option<Goal<f64>> {
         if let Some(q) = self.start(row)
-            && !all_finite(q)
+            && !all_measures(q)
         {
             return None;
         }
         match (self.goals, self.aim.task()) {
             (Goals::Positions { points, direction: None }, _) => {
                 let position = points[row];
-                all_finite(&position).then_some(Goal { position, axes: [[0.0; 3]; 3] })
+                all_measures(&position).then_some(Goal { position, axes: [[0.0; 3]; 3] })
             }
             (Goals::Positions { points, direction: Some(direction) }, _) => {
                 let position = points[row];
-                all_finite(&position).then(|| axis_goal(position, direction))
+                all_measures(&position).then(|| axis_goal(position, direction))
             }
             (Goals::Poses(poses), Task::Axis { tool_axis }) => {
-                if !all_finite(&poses[row]) {
+                if !all_measures(&poses[row]) {
                     return None;
                 }
                 let (position, rotation) = pose_parts(&poses[row]);
@@ -145,7 +147,7 @@ impl<'a> Request<'a> {
                 unit(direction).map(|d| axis_goal(position, d))
             }
             (Goals::Poses(poses), _) => {
-                if !all_finite(&poses[row]) {
+                if !all_measures(&poses[row]) {
                     return None;
                 }
                 let (position, rotation) = pose_parts(&poses[row]);
@@ -175,7 +177,7 @@ impl<'a> Request<'a> {
                 (e.position2, e.orientation2)
             }
             Task::Pose => {
-                let e = PoseRows { scale }.error(at, tool, goal);
+                let e = PoseRows { scale, onward: None }.error(at, tool, goal);
                 (e.position2, e.orientation2)
             }
             Task::Axis { tool_axis } => {
@@ -194,6 +196,6 @@ impl<'a> Request<'a> {
 
 /// Without leaving early, which would cost more than it saves.
 #[inline(always)]
-fn all_finite(numbers: &[f64]) -> bool {
-    numbers.iter().fold(true, |so_far, x| so_far & x.is_finite())
+fn all_measures(numbers: &[f64]) -> bool {
+    numbers.iter().fold(true, |so_far, x| so_far & is_measure(*x))
 }

@@ -20,6 +20,11 @@ const PARALLEL: f64 = 1e-14;
 /// and make the reach bounds of a calibrated robot useless.
 const SKEW: f64 = 0.1;
 
+/// Share of an arm's lengths up to which a tool is a part of the arm like any other, and the
+/// share of them at which a farther one is looked at.
+const NEAR: f64 = 0.25;
+const FLANGE: f64 = 0.05;
+
 /// The twist between a joint's axis and the next one's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Twist {
@@ -190,6 +195,20 @@ impl Compiled {
             simple,
             links,
         })
+    }
+
+    /// The point by which a pose with this tool point (in the last joint's frame, m) is best
+    /// compared: the tool point itself, or of a tool far out the point on the way to it where
+    /// a turn and a way of the arm's size stand beside each other as they do at the flange.
+    pub fn pose_point(&self, tool: [f64; 3]) -> [f64; 3] {
+        let squared = |v: [f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        let lengths = self.links.iter().map(|l| squared([l.a, l.b, l.d]).sqrt());
+        let (lengths, far) = (lengths.sum::<f64>(), squared(tool).sqrt());
+        if lengths > 0.0 && far > NEAR * lengths {
+            tool.map(|x| x * (FLANGE * lengths / far))
+        } else {
+            tool
+        }
     }
 
     /// The tail with one more transform behind the tool (a tool offset for one call).

@@ -2,6 +2,10 @@
 
 use nalgebra::{IsometryMatrix3, Unit, Vector3};
 
+/// Limits this far out on both sides, and infinite ones, are how files say "no limit": a
+/// joint that turns between them turns freely.
+pub const UNLIMITED: f64 = 1e4;
+
 /// How a joint moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointKind {

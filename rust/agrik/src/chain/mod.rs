@@ -13,9 +13,10 @@ use nalgebra::{IsometryMatrix3, Matrix4};
 
 pub use compiled::{Compiled, Link, Tail, Twist};
 pub use dh::{DhConvention, DhRow};
-pub use joint::{Joint, JointKind, Mimic};
+pub use joint::{Joint, JointKind, Mimic, UNLIMITED};
 pub use reach::Reach;
 
+use crate::allowed::check_measures;
 use crate::error::{Error, Result};
 use memo::Memo;
 
@@ -37,6 +38,12 @@ impl Variable {
     /// there is none.
     pub fn near_zero(&self) -> f64 {
         0.0f64.clamp(self.lower, self.upper)
+    }
+
+    /// The middle of the limits; where there are none to speak of, the value nearest to zero.
+    pub fn middle(&self) -> f64 {
+        let wide = self.upper - self.lower >= 2.0 * UNLIMITED;
+        if wide { self.near_zero() } else { 0.5 * (self.lower + self.upper) }
     }
 }
 
@@ -67,6 +74,8 @@ impl Chain {
         variable_order: Option<&[String]>,
     ) -> Result<Self> {
         check_joints(&joints)?;
+        check_measures("base", numbers(&base))?;
+        check_measures("tool", numbers(&tool))?;
         let mut variables = variables_of(&joints)?;
         if variables.is_empty() {
             return Err(Error::argument("joints", "at least one movable joint", "none"));
@@ -191,29 +200,25 @@ fn check_joints(joints: &[Joint]) -> Result<()> {
         if !joint.axis.iter().all(|x| x.is_finite()) {
             return Err(Error::argument(place("axis"), "a direction of non-zero length", "zero"));
         }
-        if !is_finite(&joint.origin) || !is_finite(&joint.after) {
-            return Err(Error::argument(place("origin"), "finite numbers", "NaN or infinity"));
-        }
+        check_measures(&place("origin"), numbers(&joint.origin).chain(numbers(&joint.after)))?;
         let bounded = matches!(joint.kind, JointKind::Revolute | JointKind::Prismatic);
-        if bounded && !(joint.lower.is_finite() && joint.upper.is_finite()) {
+        if bounded && (joint.lower.is_nan() || joint.upper.is_nan()) {
             let got = format!("[{}, {}]", joint.lower, joint.upper);
-            return Err(Error::argument(place("limits"), "finite numbers", got));
+            return Err(Error::argument(place("limits"), "numbers", got));
         }
         if bounded && joint.lower > joint.upper {
             let got = format!("lower {} > upper {}", joint.lower, joint.upper);
             return Err(Error::argument(place("limits"), "lower <= upper", got));
         }
-        if let Some(mimic) = &joint.mimic
-            && !(mimic.multiplier.is_finite() && mimic.offset.is_finite())
-        {
-            return Err(Error::argument(place("mimic"), "finite numbers", "NaN or infinity"));
+        if let Some(mimic) = &joint.mimic {
+            check_measures(&place("mimic"), [mimic.multiplier, mimic.offset])?;
         }
     }
     Ok(())
 }
 
-fn is_finite(t: &IsometryMatrix3<f64>) -> bool {
-    t.translation.vector.iter().chain(t.rotation.matrix().iter()).all(|x| x.is_finite())
+fn numbers(t: &IsometryMatrix3<f64>) -> impl Iterator<Item = f64> {
+    t.translation.vector.iter().chain(t.rotation.matrix().iter()).copied()
 }
 
 /// The independent variables, in order of first use along the chain.
@@ -256,6 +261,11 @@ fn variables_of(joints: &[Joint]) -> Result<Vec<Variable>> {
             if v.lower.is_finite() && v.upper.is_finite() && v.kind == JointKind::Continuous {
                 v.kind = JointKind::Revolute;
             }
+        }
+    }
+    for v in variables.iter_mut().filter(|v| v.kind == JointKind::Revolute) {
+        if v.lower <= -UNLIMITED && v.upper >= UNLIMITED {
+            (v.kind, v.lower, v.upper) = (JointKind::Continuous, f64::NEG_INFINITY, f64::INFINITY);
         }
     }
     Ok(variables)

@@ -22,10 +22,18 @@ pub struct Reach {
     pub lower: [f64; 3],
     /// Largest coordinates, m, world frame.
     pub upper: [f64; 3],
+    /// What counts as the size of the robot, m: the radius, with ways that slides go counted
+    /// no longer than all fixed lengths together. A rail of kilometres does not make the arm
+    /// on it larger. Finite and above zero.
+    pub size: f64,
 }
 
 /// Room for rounding, relative to the size of the robot.
 const MARGIN: f64 = 1e-12;
+/// Share of the slides' ways that is the least size: fixed lengths may be nothing but rounding.
+const LEAST_SIZE: f64 = 1e-9;
+/// No slide is this long: a limit so far out stands for none, whatever the unit.
+const ENDLESS: f64 = 1e9;
 
 impl Reach {
     /// Bounds of the tool point.
@@ -62,7 +70,7 @@ impl Reach {
 
     fn of_point(chain: &Compiled, limits: &[Interval], point: [f64; 3]) -> Self {
         let (lower, upper) = bounding_box(chain, limits, point);
-        let (center, radius, inner_radius) = sphere(chain, limits, point);
+        let (center, radius, inner_radius, size) = sphere(chain, limits, point);
         let margin = MARGIN * (1.0 + radius);
         Self {
             center,
@@ -70,6 +78,8 @@ impl Reach {
             inner_radius: (inner_radius - margin).max(0.0),
             lower: lower.map(|x| x - margin),
             upper: upper.map(|x| x + margin),
+            // Without slides the two are the same.
+            size: if size == radius { radius + margin } else { size },
         }
     }
 }
@@ -104,8 +114,26 @@ impl Piece {
     }
 }
 
-/// The sphere: centre, radius, inner radius.
-fn sphere(chain: &Compiled, limits: &[Interval], point: [f64; 3]) -> ([f64; 3], f64, f64) {
+/// The size of a robot of these pieces.
+fn size(chain: &Compiled, pieces: &[Piece]) -> f64 {
+    let (mut fixed, mut ways) = (0.0, Vec::new());
+    for (link, piece) in chain.links.iter().zip(pieces) {
+        if link.prismatic {
+            fixed += hypotenuse(piece.side[0], piece.side[1]);
+            ways.push(piece.ahead.lower.abs().max(piece.ahead.upper.abs()));
+        } else {
+            fixed += piece.longest();
+        }
+    }
+    let finite: f64 = ways.iter().filter(|way| **way < ENDLESS).sum();
+    let counted: f64 = ways.iter().map(|way| way.min(fixed)).sum();
+    let size = if fixed > 0.0 { (fixed + counted).max(LEAST_SIZE * finite) } else { finite };
+    // A wrist alone, or slides without ends.
+    if size > 0.0 { size } else { 1.0 }
+}
+
+/// The sphere: centre, radius, inner radius; the size.
+fn sphere(chain: &Compiled, limits: &[Interval], point: [f64; 3]) -> ([f64; 3], f64, f64, f64) {
     let mut center = chain.start_position;
     let mut pieces: Vec<Piece> = Vec::new();
     let last = chain.links.len() - 1;
@@ -123,6 +151,7 @@ fn sphere(chain: &Compiled, limits: &[Interval], point: [f64; 3]) -> ([f64; 3], 
         // The first joint's axis stands still: move the centre along it to the middle.
         let ahead = if i == 0 {
             let middle = 0.5 * (ahead.lower + ahead.upper);
+            let middle = if middle.is_finite() { middle } else { 0.0 };
             for (x, z) in center.iter_mut().zip(chain.start_rotation[2]) {
                 *x += z * middle;
             }
@@ -133,12 +162,17 @@ fn sphere(chain: &Compiled, limits: &[Interval], point: [f64; 3]) -> ([f64; 3], 
         pieces.push(Piece { side, ahead });
     }
     let radius: f64 = pieces.iter().map(Piece::longest).sum();
+    let size = if chain.links.iter().any(|link| link.prismatic) || radius == 0.0 {
+        size(chain, &pieces)
+    } else {
+        radius
+    };
     let alone = pieces.iter().map(|p| p.shortest() - (radius - p.longest()));
     let elbows = (1..pieces.len()).filter_map(|joint| {
         let (distance, longest) = across(chain, limits, &pieces, joint)?;
         Some(distance - (radius - longest))
     });
-    (center, radius, alone.chain(elbows).fold(0.0, f64::max))
+    (center, radius, alone.chain(elbows).fold(0.0, f64::max), size)
 }
 
 /// The least distance across a turning joint, from the joint before it to the one after,
@@ -265,11 +299,13 @@ impl Interval {
         Self { lower: a.min(b), upper: a.max(b) }
     }
     fn mul(self, o: Self) -> Self {
+        // Nothing times a way without end is nothing, not NaN.
+        let product = |a: f64, b: f64| if a == 0.0 || b == 0.0 { 0.0 } else { a * b };
         let products = [
-            self.lower * o.lower,
-            self.lower * o.upper,
-            self.upper * o.lower,
-            self.upper * o.upper,
+            product(self.lower, o.lower),
+            product(self.lower, o.upper),
+            product(self.upper, o.lower),
+            product(self.upper, o.upper),
         ];
         Self {
             lower: products.iter().copied().fold(f64::INFINITY, f64::min),

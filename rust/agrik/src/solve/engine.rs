@@ -7,7 +7,9 @@
 mod attempts;
 mod feedback;
 mod limit;
+mod nearest;
 mod runs;
+mod slack;
 
 use smallvec::{SmallVec, smallvec};
 
@@ -15,9 +17,10 @@ use self::attempts::Job;
 use self::feedback::{Halt, Memory};
 use self::limit::{Limit, limits};
 use self::runs::Runs;
+use self::slack::Relaxed;
 use super::plan::{INSIDE, Plan};
 use super::setup::Setup;
-use super::step::{dot, pulled, squared_norm};
+use super::step::{Step, dot, pulled, squared_norm};
 use crate::call::AnswersMut;
 use crate::chain::{JointKind, Variable};
 use crate::kinematics::{PerJoint, Workspace, columns, forward};
@@ -69,12 +72,13 @@ fn run_task<'a, R: Real, const FEEDBACK: bool>(
 ) -> bool {
     let setup = plan.setup();
     let scale = setup.rotation_scale;
+    let onward = setup.onward();
     match setup.aim.task() {
         Task::Position => {
             Engine::<R, _, 3, FEEDBACK>::new(plan, PositionRows).run(next, keep_going)
         }
         Task::Pose => {
-            Engine::<R, _, 6, FEEDBACK>::new(plan, PoseRows { scale }).run(next, keep_going)
+            Engine::<R, _, 6, FEEDBACK>::new(plan, PoseRows { scale, onward }).run(next, keep_going)
         }
         Task::Axis { tool_axis } => {
             let axis = setup.aim.tail().direction(tool_axis);
@@ -93,6 +97,14 @@ fn square<R: Real>(tolerance: f64) -> R {
     R::splat((tolerance * INSIDE) * (tolerance * INSIDE))
 }
 
+/// An angle without the whole turns that part it from a reference.
+#[inline(always)]
+fn wound<R: Real>(angle: R, reference: R) -> R {
+    use std::f64::consts::TAU;
+    let turns = ((angle - reference) * R::splat(1.0 / TAU)).round();
+    turns.mul_add(R::splat(-TAU), angle)
+}
+
 struct Engine<'p, R: Real, T, const M: usize, const FEEDBACK: bool> {
     plan: &'p Plan<'p>,
     setup: &'p Setup,
@@ -100,6 +112,13 @@ struct Engine<'p, R: Real, T, const M: usize, const FEEDBACK: bool> {
     variables: &'p [Variable],
     limits: PerJoint<Limit>,
     has_continuous: bool,
+    /// Some joints have several angles for a posture.
+    winds: bool,
+    /// Ways of slides are measured by the robot's size.
+    stretches: bool,
+    relaxed: Relaxed<R>,
+    /// Rows that attempts do not solve are given their nearest posture.
+    completes: bool,
     /// Steps of an attempt, and of one whose squared error is below `near2`.
     cap: u32,
     patient_cap: u32,
@@ -129,12 +148,23 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         let settings = &setup.settings;
         let variables = plan.request.chain().variables();
         let dof = variables.len();
+        let limits = limits(plan);
         Self {
             plan,
             setup,
             rows,
             variables,
-            limits: limits(plan),
+            winds: limits.iter().any(|v| v.winds),
+            limits,
+            stretches: setup.lengths.slides
+                && !settings.plain
+                && !matches!(settings.step, Step::FixedTranspose { .. }),
+            relaxed: Relaxed::none(),
+            completes: !settings.plain
+                && !FEEDBACK
+                && settings.max_restarts > 0
+                && plan.bounds.is_none()
+                && plan.pull.is_none(),
             has_continuous: variables.iter().any(|v| v.kind == JointKind::Continuous),
             cap: settings.max_iterations,
             patient_cap: settings.max_iterations.saturating_mul(if settings.plain {
@@ -199,6 +229,9 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                     let lane = left.trailing_zeros() as usize;
                     left &= left - 1;
                     let solved = reached >> lane & 1 != 0;
+                    if solved && self.winds && self.wind(lane) {
+                        continue;
+                    }
                     let status = self.status(lane, solved, halt);
                     if !self.end_attempt(lane, status, &error, &mut runs)
                         && !self.refill(lane, &mut runs, next)
@@ -225,15 +258,19 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
     fn evaluate(&mut self) -> TaskError<R, M> {
         let compiled = self.plan.request.chain().compiled();
         forward(compiled, &self.q, &mut self.workspace);
-        let tool = self.workspace.tool_point(self.setup.aim.tail().translation);
-        self.rows.error(&self.workspace, tool, &self.goal)
+        let tool = self.workspace.tool_point(self.setup.point);
+        let mut error = self.rows.error(&self.workspace, tool, &self.goal);
+        if let Some(slack) = self.setup.slack {
+            self.relaxed = Relaxed::of(&mut error.rows, slack);
+        }
+        error
     }
 
     /// One step of the lanes in `moving`; returns those that did not move.
     #[inline(always)]
     fn step(&mut self, error: &TaskError<R, M>, moving: u32) -> u32 {
         let compiled = self.plan.request.chain().compiled();
-        let tool = self.workspace.tool_point(self.setup.aim.tail().translation);
+        let tool = self.workspace.tool_point(self.setup.point);
         if !compiled.simple {
             self.columns.fill([R::zero(); M]);
         }
@@ -249,21 +286,43 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                 }
             }
         });
+        if self.setup.slack.is_some() {
+            self.relaxed.change(&mut self.columns);
+        }
+        let squared = squared_norm(&error.rows);
+        let per_radian = self.setup.lengths.per_radian(squared);
+        if self.stretches {
+            for (v, column) in self.limits.iter().zip(&mut self.columns) {
+                if v.slides {
+                    for x in column {
+                        *x *= per_radian;
+                    }
+                }
+            }
+        }
         if let Some((gain, toward)) = &self.plan.pull {
             for ((p, q), to) in self.pull.iter_mut().zip(&self.q).zip(toward) {
                 *p = R::splat(*gain) * (R::splat(*to) - *q);
+            }
+            if self.stretches {
+                for (v, p) in self.limits.iter().zip(&mut self.pull) {
+                    if v.slides {
+                        *p = *p / per_radian;
+                    }
+                }
             }
         }
         if !self.setup.settings.plain {
             self.hold(error);
         }
         if self.plan.pull.is_some() {
-            pulled::step(&self.columns, &error.rows, &self.pull, &mut self.change);
+            let lengths = &self.setup.lengths;
+            pulled::step(&self.columns, &error.rows, &self.pull, lengths, &mut self.change);
         } else {
-            self.setup.settings.change(&self.columns, &error.rows, &mut self.change);
+            let (settings, lengths) = (&self.setup.settings, &self.setup.lengths);
+            settings.change(&self.columns, &error.rows, lengths, &mut self.change);
         }
-        let squared = squared_norm(&error.rows);
-        self.apply(moving, squared)
+        self.apply(moving, squared, per_radian)
     }
 
     /// Active set: a joint at a limit whose downhill direction leads outward is held for
@@ -299,15 +358,17 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
 
     /// Adds the change, no longer than the longest step, projected on the limits.
     #[inline(always)]
-    fn apply(&mut self, moving: u32, squared: R) -> u32 {
+    fn apply(&mut self, moving: u32, squared: R, per_radian: R) -> u32 {
         let mut longest = R::splat(1e-300);
         for dq in &self.change {
             longest = longest.max(dq.abs());
         }
         let scale = (R::splat(self.setup.settings.max_step) / longest).min(R::splat(1.0));
-        let scale = R::select(R::mask_from_bits(moving), scale, R::zero());
+        let mask = R::mask_from_bits(moving);
+        let mut slid = R::zero();
         let mut moved = R::zero();
         for ((v, q), dq) in self.limits.iter().zip(&mut self.q).zip(&self.change) {
+            let scale = if v.slides && self.stretches { scale * per_radian } else { scale };
             let mut to = dq.mul_add(scale, *q);
             let (lower, upper) = (R::splat(v.lower), R::splat(v.upper));
             if v.turns {
@@ -316,34 +377,56 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                 to = R::select(to.lt(lower), to + turn, to);
                 to = R::select(upper.lt(to), to - turn, to);
             }
-            to = to.max(lower).min(upper);
-            moved = moved.max((to - *q).abs());
+            // A lane at a new start stays there whatever came of the attempt before, even where
+            // that is no number.
+            to = R::select(mask, to.max(lower).min(upper), *q);
+            if v.slides {
+                slid = slid.max((to - *q).abs());
+            } else {
+                moved = moved.max((to - *q).abs());
+            }
             *q = to;
         }
         if self.has_continuous {
-            self.wind_back();
+            self.wind_back(mask);
         }
         for (lane, job) in self.jobs.iter_mut().enumerate() {
             job.steps += moving >> lane & 1;
         }
         // Written so that a step that is not a number counts as none.
         if self.setup.settings.plain {
-            return moving & !R::bits(R::splat(STILL).lt(moved));
+            return moving & !R::bits(R::splat(STILL).lt(moved.max(slid)));
         }
-        let way = moved * R::splat(self.setup.rotation_scale);
+        let way = (moved * R::splat(self.setup.rotation_scale)).max(slid);
         moving
             & !R::bits((squared * R::splat(self.setup.settings.step.stall().powi(2))).lt(way * way))
     }
 
-    /// Takes whole turns off continuous joints, to within half a turn of their reference.
+    /// Takes whole turns off continuous joints of the lanes that moved, to within half a turn
+    /// of their reference. Lanes at a new start are left alone: without company they would not
+    /// have come here.
     #[inline(always)]
-    fn wind_back(&mut self) {
-        use std::f64::consts::TAU;
+    fn wind_back(&mut self, moved: R::Mask) {
         for ((v, q), reference) in self.variables.iter().zip(&mut self.q).zip(&self.reference) {
             if v.kind == JointKind::Continuous {
-                let turns = ((*q - *reference) * R::splat(1.0 / TAU)).round();
-                *q = turns.mul_add(R::splat(-TAU), *q);
+                *q = R::select(moved, wound(*q, *reference), *q);
             }
         }
+    }
+
+    /// Takes the whole turns between a lane's angles and those nearest to its reference, where
+    /// limits allow it; true where there were some, so that the lane is evaluated again.
+    #[inline(never)]
+    fn wind(&mut self, lane: usize) -> bool {
+        let mut wound = false;
+        for ((v, q), reference) in self.limits.iter().zip(&mut self.q).zip(&self.reference) {
+            if v.winds {
+                let x = q.lane(lane);
+                let to = v.wound(x, reference.lane(lane));
+                q.set_lane(lane, to);
+                wound |= to != x;
+            }
+        }
+        wound
     }
 }

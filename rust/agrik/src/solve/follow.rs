@@ -2,6 +2,8 @@
 
 use super::Settings;
 use super::plan::{INSIDE, Plan};
+use super::start::range;
+use crate::allowed::is_measure;
 use crate::call::{Answers, Outcome, Request, Solve, Status};
 use crate::chain::JointKind;
 use crate::error::{Error, Result};
@@ -62,7 +64,7 @@ impl<'a> Follow<'a> {
             return Err(Error::argument("pull", "a number, 0 to 1", pull));
         }
         if let Some(q0) = q0
-            && (q0.len() != dof || q0.iter().any(|x| !x.is_finite()) || !chain.within_limits(q0))
+            && (q0.len() != dof || q0.iter().any(|x| !is_measure(*x)) || !chain.within_limits(q0))
         {
             let expected = format!("{dof} finite numbers within the limits");
             return Err(Error::argument("q0", expected, format!("{q0:?}")));
@@ -144,6 +146,10 @@ impl Walker<'_> {
                     let (low, high) = match v.kind {
                         JointKind::Continuous => {
                             (x - std::f64::consts::PI, x + std::f64::consts::PI)
+                        }
+                        _ if (v.upper - v.lower).is_infinite() => {
+                            let (lower, width) = range(plan.request.chain(), v);
+                            (lower, lower + width)
                         }
                         _ => (v.lower, v.upper),
                     };

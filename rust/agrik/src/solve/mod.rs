@@ -17,6 +17,6 @@ pub use follow::{Follow, Path};
 pub use plan::Plan;
 pub use setup::Setup;
 pub use step::{
-    GainUnits, Matrix, Pace, Pid, PidOrder, Settings, StartRule, StateSpace, StaticGain, Step,
-    frozen_gain,
+    GainUnits, Lengths, Matrix, Pace, Pid, PidOrder, Settings, StartRule, StateSpace, StaticGain,
+    Step, frozen_gain,
 };

@@ -5,8 +5,9 @@ use std::borrow::Cow;
 use super::Settings;
 use super::setup::Setup;
 use super::start::Sampler;
-use crate::call::{Copies, Request};
-use crate::error::Result;
+use crate::call::{Copies, Goals, Request, Starts};
+use crate::chain::Chain;
+use crate::error::{Error, Result};
 use crate::task::Goal;
 
 /// Share of the tolerance that solvers themselves allow, so that rounding in a later check
@@ -95,5 +96,24 @@ impl<'a> Plan<'a> {
         }
         let arm = t.iter().map(|x| x * x).sum::<f64>().sqrt();
         wrist.excess(p) > tolerance.position + arm * tolerance.orientation
+    }
+}
+
+impl Setup {
+    /// A call for targets of the chain that the setup was made for; allocates nothing.
+    pub fn plan<'a>(
+        &'a self,
+        chain: &'a Chain,
+        goals: Goals<'a>,
+        starts: Starts<'a>,
+        seed: u64,
+        first_index: u64,
+    ) -> Result<Plan<'a>> {
+        if self.dof != chain.dof() {
+            let expected = format!("one of {} joint values", chain.dof());
+            return Err(Error::argument("setup", expected, self.dof));
+        }
+        let request = Request::new(chain, self.aim, goals, starts)?.with_seed(seed, first_index);
+        Ok(Plan::with_setup(request, self))
     }
 }

@@ -1,13 +1,48 @@
 //! What stays the same from call to call of a control loop: the aim and the step.
 
 use super::Settings;
-use super::plan::Plan;
 use super::start::Ranking;
-use super::step::{Feedback, StartRule, middle};
-use crate::call::{Aim, Goals, Request, Starts};
-use crate::chain::{Chain, Reach, Tail};
-use crate::error::{Error, Result};
-use crate::task::{Task, rotation_scale};
+use super::step::{Feedback, Lengths, StartRule, middle};
+use crate::call::{Aim, Tolerance};
+use crate::chain::{Chain, JointKind, Reach, Tail};
+use crate::error::Result;
+use crate::task::{Goal, Task, rotation_scale};
+
+/// How far from the goal a step aims, since there is near enough: in the units of the error's
+/// rows, m; zero where it aims at the goal itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Slack {
+    pub position: f64,
+    pub orientation: f64,
+}
+
+/// Tolerances, as a share of the size or in rad, from which on they count in the search.
+const WIDE: f64 = 1e-3;
+/// Share of a tolerance at which steps aim: inside it, for they come from outside.
+const AIM: f64 = 0.9;
+
+impl Slack {
+    fn of(task: &Task, tolerance: Tolerance, size: f64, rotation_scale: f64) -> Option<Self> {
+        // Rows of one block share a sphere if they share a weight.
+        let weight = |weights: &[f64]| {
+            let most = weights.iter().copied().fold(0.0, f64::max);
+            if weights.iter().all(|w| *w == 0.0 || *w == most) { most } else { 0.0 }
+        };
+        let (position, orientation) = match task {
+            Task::Position => (1.0, 0.0),
+            Task::Pose | Task::Axis { .. } => (1.0, rotation_scale),
+            Task::Masked { weights, .. } => {
+                (weight(&weights[..3]), rotation_scale * weight(&weights[3..]))
+            }
+        };
+        let wide = |tolerance: f64, least: f64, scale: f64| {
+            if tolerance > least { AIM * tolerance * scale } else { 0.0 }
+        };
+        let position = wide(tolerance.position, WIDE * size, position);
+        let orientation = wide(tolerance.orientation, WIDE, orientation);
+        (position > 0.0 || orientation > 0.0).then_some(Self { position, orientation })
+    }
+}
 
 /// An aim and how to get there, checked and worked out for a chain. Making one may cost more
 /// than solving a target: gains of feedback laws come from a singular value decomposition.
@@ -16,6 +51,11 @@ pub struct Setup {
     pub(super) aim: Aim,
     pub(super) settings: Settings,
     pub(super) rotation_scale: f64,
+    pub(super) lengths: Lengths,
+    /// The point in the last joint's frame whose position the error's rows compare, m.
+    pub(super) point: [f64; 3],
+    /// Tolerances that are too wide to aim at the middle of.
+    pub(super) slack: Option<Slack>,
     /// The feedback law of the settings, if it is one.
     pub(super) feedback: Option<Feedback>,
     /// Where first attempts start if the caller gives no start and the solver has one.
@@ -27,6 +67,26 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// The way from the point whose position the rows compare to the tool point, if any.
+    #[inline(always)]
+    pub(super) fn onward(&self) -> Option<[f64; 3]> {
+        let (from, to) = (self.point, self.aim.tail().translation);
+        (from != to).then(|| [0, 1, 2].map(|k| to[k] - from[k]))
+    }
+
+    /// A goal of the tool point as one of the point whose position the rows compare.
+    #[inline(always)]
+    pub(super) fn at_point(&self, mut goal: Goal<f64>) -> Goal<f64> {
+        if let Some(onward) = self.onward() {
+            for (axis, along) in goal.axes.iter().zip(onward) {
+                for (x, a) in goal.position.iter_mut().zip(axis) {
+                    *x -= a * along;
+                }
+            }
+        }
+        goal
+    }
+
     /// A checked setup.
     pub fn new(chain: &Chain, aim: Aim, settings: Settings) -> Result<Self> {
         settings.check()?;
@@ -37,18 +97,45 @@ impl Setup {
         } else {
             Reach::with_tail(compiled, chain.variables(), &tail)
         };
-        let rotation_scale = rotation_scale(chain.reach().radius);
+        let tolerance = aim.tolerance();
+        let own = compiled.tail.translation;
+        let near = compiled.pose_point(own);
+        // Where the orientation is met exactly, and only there, any point of the tool will do.
+        let by_pose_point = task.fixes_pose()
+            && chain.dof() >= 6
+            && tolerance.orientation <= WIDE
+            && !settings.step.is_feedback();
+        let size = if by_pose_point && near != own {
+            let tail = Tail { translation: near, ..compiled.tail };
+            Reach::with_tail(compiled, chain.variables(), &tail).size
+        } else if !by_pose_point && compiled.pose_point(tail.translation) != tail.translation {
+            tool_reach.size
+        } else {
+            chain.reach().size
+        };
+        let point =
+            if by_pose_point { compiled.pose_point(tail.translation) } else { tail.translation };
+        let rotation_scale = rotation_scale(size);
+        let slides = chain.variables().iter().any(|v| v.kind == JointKind::Prismatic);
+        let lengths = Lengths::new(size, slides);
+        let slack = Slack::of(&task, tolerance, size, rotation_scale)
+            .filter(|_| !settings.plain && !settings.step.is_feedback())
+            // About another point than the tool's the sphere would be no sphere.
+            .filter(|_| point == tail.translation);
         let feedback = Feedback::new(&settings, chain, &task, &tail, rotation_scale)?;
         let usual_start = match settings.start {
             StartRule::Sampled => None,
             StartRule::Zero => Some(chain.near_zero()),
             StartRule::Middle => Some(middle(chain)),
         };
-        let ranking = ranking(&task, &compiled.tail, &tail, rotation_scale);
+        let ranking = ranking(&task, near, &tail, point, rotation_scale);
         Ok(Self {
             aim,
             settings,
             rotation_scale,
+            lengths,
+            point,
+            slack,
             feedback,
             usual_start,
             ranking,
@@ -56,27 +143,17 @@ impl Setup {
             dof: chain.dof(),
         })
     }
-
-    /// A call for targets of the chain that the setup was made for; allocates nothing.
-    pub fn plan<'a>(
-        &'a self,
-        chain: &'a Chain,
-        goals: Goals<'a>,
-        starts: Starts<'a>,
-        seed: u64,
-        first_index: u64,
-    ) -> Result<Plan<'a>> {
-        if self.dof != chain.dof() {
-            let expected = format!("one of {} joint values", chain.dof());
-            return Err(Error::argument("setup", expected, self.dof));
-        }
-        let request = Request::new(chain, self.aim, goals, starts)?.with_seed(seed, first_index);
-        Ok(Plan::with_setup(request, self))
-    }
 }
 
-/// By what starts are compared with a goal of the task, with the chain's own tool or another.
-fn ranking(task: &Task, own: &Tail, tail: &Tail, rotation_scale: f64) -> Ranking {
+/// By what starts are compared with a goal of the task. `sampled` is the point whose places
+/// the table holds, `point` the one whose place the goal gives.
+fn ranking(
+    task: &Task,
+    sampled: [f64; 3],
+    tail: &Tail,
+    point: [f64; 3],
+    rotation_scale: f64,
+) -> Ranking {
     let squared = rotation_scale * rotation_scale;
     let (axes, direction) = match task {
         Task::Pose => (squared, ([0.0; 3], 0.0)),
@@ -84,7 +161,7 @@ fn ranking(task: &Task, own: &Tail, tail: &Tail, rotation_scale: f64) -> Ranking
         // Rows that are free make the axes a poor guide; the tool point is one if it counts.
         Task::Position | Task::Masked { .. } => (0.0, ([0.0; 3], 0.0)),
     };
-    let shift = [0, 1, 2].map(|k| tail.translation[k] - own.translation[k]);
+    let shift = [0, 1, 2].map(|k| point[k] - sampled[k]);
     Ranking { placed: task.fixes_position(), shift, axes, direction }
 }
 
@@ -93,8 +170,9 @@ mod tests {
     use nalgebra::IsometryMatrix3;
 
     use super::*;
-    use crate::call::{Tolerance, solve};
-    use crate::chain::{DhConvention, DhRow, JointKind};
+    use crate::call::{Goals, Request, Starts, solve};
+    use crate::chain::{DhConvention, DhRow};
+    use crate::solve::Plan;
 
     fn arm(joints: usize) -> Chain {
         let joints = (0..joints).map(|i| {

@@ -3,7 +3,7 @@
 
 use super::postures::{BLOCK, FEATURES, Places, Postures};
 use crate::call::Request;
-use crate::chain::{Chain, JointKind};
+use crate::chain::{Chain, JointKind, Variable};
 use crate::kinematics::tool_poses;
 use crate::lanes::{dot, sub};
 use crate::random::{Sequence, mix};
@@ -22,6 +22,8 @@ const NEARBY: u32 = 4;
 /// Every so many attempts after these one starts anywhere, so that no start is out of the
 /// question.
 const ANYWHERE: u32 = 3;
+/// Ways of slides longer than so many sizes of the robot are sampled near zero alone.
+const LONG: f64 = 100.0;
 /// Low bits of a distance that give way to the posture's number in its window.
 const NUMBER: u32 = (WINDOW * BLOCK - 1) as u32;
 
@@ -76,7 +78,11 @@ impl<'a> Sampler<'a> {
         let window = if self.ranking.placed && attempt < NEARBY {
             self.window_near(goal, attempt as usize, key)
         } else if attempt % ANYWHERE == ANYWHERE - 1 {
-            draw(&mut Sequence::new(key), &self.postures.ranges, q);
+            let mut stream = Sequence::new(key);
+            draw(&mut stream, &self.postures.ranges, q);
+            if (attempt / ANYWHERE).is_multiple_of(2) {
+                stand(&mut stream, &self.postures.ranges, q);
+            }
             return;
         } else {
             let drawn = u128::from(key) * windows(SCATTERED) as u128;
@@ -84,8 +90,29 @@ impl<'a> Sampler<'a> {
         };
         let dof = q.len();
         let best = self.nearest(window, goal);
-        for (to, from) in q.iter_mut().zip(&self.postures.q[best * dof..]) {
-            *to = f64::from(*from);
+        let ranges = &self.postures.ranges;
+        for ((to, from), (lower, width)) in
+            q.iter_mut().zip(&self.postures.q[best * dof..]).zip(ranges)
+        {
+            // Single precision may have rounded an end outward.
+            *to = f64::from(*from).max(*lower).min(lower + width);
+        }
+    }
+
+    /// A start near the end `q` of another attempt: with some joint values put elsewhere.
+    ///
+    /// What keeps an end from being a solution is often one joint at the wrong limit.
+    pub fn hop(&self, row: usize, attempt: u32, q: &mut [f64]) {
+        let mut stream = Sequence::new(self.key(row, attempt));
+        let surely = (stream.word() % q.len() as u64) as usize;
+        for (i, x) in q.iter_mut().enumerate() {
+            if i == surely || stream.word() >> 62 == 0 {
+                let range = &self.postures.ranges[i..=i];
+                let mut value = [0.0];
+                draw(&mut stream, range, &mut value);
+                stand(&mut stream, range, &mut value);
+                *x = value[0];
+            }
         }
     }
 
@@ -183,17 +210,26 @@ impl<'a> Sampler<'a> {
     }
 }
 
-/// Lower end and width per joint value; continuous joints sample [-pi, pi].
+/// Lower end and width of what each joint value is drawn from.
 fn ranges(chain: &Chain) -> Vec<(f64, f64)> {
-    use std::f64::consts::{PI, TAU};
-    chain
-        .variables()
-        .iter()
-        .map(|v| match v.kind {
-            JointKind::Continuous => (-PI, TAU),
-            _ => (v.lower, v.upper - v.lower),
-        })
-        .collect()
+    chain.variables().iter().map(|v| range(chain, v)).collect()
+}
+
+/// Lower end and width of what a joint value is drawn from: of joints that turn at most the
+/// turn about the middle of the limits, of slides without limits to speak of the ways of the
+/// robot's own size about zero.
+pub(super) fn range(chain: &Chain, v: &Variable) -> (f64, f64) {
+    let (half, wide) = match v.kind {
+        JointKind::Prismatic => (chain.reach().size, LONG * chain.reach().size),
+        _ => (std::f64::consts::PI, std::f64::consts::TAU),
+    };
+    if v.upper - v.lower <= wide {
+        return (v.lower, v.upper - v.lower);
+    }
+    // Limits may be near the middle on one side.
+    let middle = if v.kind == JointKind::Prismatic { v.near_zero() } else { v.middle() };
+    let lower = (middle - half).min(v.upper - 2.0 * half).max(v.lower);
+    (lower, 2.0 * half)
 }
 
 /// A table of uniform random postures and their frames.
@@ -202,14 +238,30 @@ fn sample_postures(chain: &Chain) -> Postures {
     let ranges = ranges(chain);
     let mut stream = Sequence::new(TABLE_SEED);
     let mut q = vec![0.0; (SORTED + SCATTERED) * dof];
-    for posture in q.chunks_exact_mut(dof) {
+    for (i, posture) in q.chunks_exact_mut(dof).enumerate() {
         draw(&mut stream, &ranges, posture);
+        if i >= SORTED + SCATTERED / 2 {
+            stand(&mut stream, &ranges, posture);
+        }
     }
     let mut poses = vec![0.0; (SORTED + SCATTERED) * 16];
     tool_poses(chain, &q, &mut poses);
     let tail = &chain.compiled().tail;
-    let frames: Vec<Goal<f64>> =
-        poses.as_chunks().0.iter().map(pose_parts).map(|(p, r)| pose_goal(p, r, tail)).collect();
+    // Of a tool far out, where its nearer part is.
+    let own = tail.translation;
+    let near = chain.compiled().pose_point(own);
+    let back = [0, 1, 2].map(|k| near[k] - own[k]);
+    let frame = |pose: &[f64; 16]| {
+        let (position, rotation) = pose_parts(pose);
+        let mut goal = pose_goal(position, rotation, tail);
+        for (axis, along) in goal.axes.iter().zip(back) {
+            for (x, a) in goal.position.iter_mut().zip(axis) {
+                *x += a * along;
+            }
+        }
+        goal
+    };
+    let frames: Vec<Goal<f64>> = poses.as_chunks().0.iter().map(frame).collect();
     let points: Vec<[f64; 3]> = frames[..SORTED].iter().map(|frame| frame.position).collect();
     let (places, order) = Places::new(&points);
 
@@ -249,5 +301,23 @@ fn sample_postures(chain: &Chain) -> Postures {
 fn draw(stream: &mut Sequence, ranges: &[(f64, f64)], q: &mut [f64]) {
     for (x, (lower, width)) in q.iter_mut().zip(ranges) {
         *x = width * stream.uniform() + lower;
+    }
+}
+
+/// Puts about half of the joint values where people put them: at a limit, in the middle, at
+/// zero or a quarter turn. The solutions there have few starts that lead to them.
+fn stand(stream: &mut Sequence, ranges: &[(f64, f64)], q: &mut [f64]) {
+    use std::f64::consts::FRAC_PI_2;
+    for (x, (lower, width)) in q.iter_mut().zip(ranges) {
+        let place = match stream.word() >> 60 {
+            0 | 1 => *lower,
+            2 | 3 => lower + width,
+            4 => lower + 0.5 * width,
+            5 => 0.0,
+            6 => FRAC_PI_2,
+            7 => -FRAC_PI_2,
+            _ => *x,
+        };
+        *x = place.max(*lower).min(lower + width);
     }
 }

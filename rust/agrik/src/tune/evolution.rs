@@ -3,9 +3,8 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use super::sequence;
-use super::{Judge, Reader};
-use crate::error::Result;
+use super::{Judge, Reader, SWEEPS, sequence};
+use crate::error::{Error, Result};
 
 /// The strategy's state and constants.
 #[derive(Debug, Clone)]
@@ -93,7 +92,14 @@ impl Evolution {
             next.evaluations += 1;
             next.note(cost, next.mean.clone().as_slice());
         }
-        let eigen = SymmetricEigen::new(next.covariance.clone());
+        let covariance = next.covariance.clone();
+        let eigen = Some(covariance)
+            .filter(|covariance| covariance.iter().all(|x| x.is_finite()))
+            .and_then(|covariance| SymmetricEigen::try_new(covariance, f64::EPSILON, SWEEPS))
+            .ok_or_else(|| {
+                let expected = "a search whose covariance has axes";
+                Error::argument("state", expected, "one that grew beyond all numbers")
+            })?;
         let scales = eigen.eigenvalues.map(|value| value.max(1e-20).sqrt());
         let mut members = Vec::with_capacity(next.members);
         // The costs of the best so far, as many as become parents, in rising order.

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Schur};
 
+use super::SWEEPS;
 use crate::error::{Error, Result};
 use crate::solve::{Matrix, Step};
 
@@ -106,7 +107,9 @@ impl Family {
             return false;
         }
         let a = DMatrix::from_row_slice(a.rows(), a.columns, &a.values);
-        a.complex_eigenvalues().iter().all(|value| value.norm() < 1.0)
+        // One whose eigenvalues are not found does not count as stable.
+        Schur::try_new(a, f64::EPSILON, SWEEPS)
+            .is_some_and(|found| found.complex_eigenvalues().iter().all(|value| value.norm() < 1.0))
     }
 
     /// The feedback law of a vector.

@@ -18,6 +18,9 @@ pub use swarm::Swarm;
 use crate::error::{Error, Result};
 use crate::random::Sequence;
 
+/// Sweeps after which an eigenvalue decomposition is given up: far more than one takes.
+const SWEEPS: usize = 100_000;
+
 /// A search, by its method.
 #[derive(Debug, Clone)]
 pub enum Search {

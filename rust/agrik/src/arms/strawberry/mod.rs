@@ -23,7 +23,7 @@ pub use energy::SlopeCase;
 pub use exact::FreePose;
 pub use sets::{Gap, Interval, Place, ThetaSets};
 
-use super::distance;
+use super::{distance, goes_on};
 use crate::call::{Answers, Status};
 use crate::error::{Error, Result};
 use crate::lanes::{Real, angle_over_sine};
@@ -337,8 +337,13 @@ impl Arm {
         }
     }
 
-    /// Solves a batch of targets (m).
-    pub fn solve_all(&self, targets: &[[f64; 3]], method: &Method) -> Result<Solutions> {
+    /// Solves a batch of targets (m). `poll` is asked now and then whether to go on.
+    pub fn solve_all(
+        &self,
+        targets: &[[f64; 3]],
+        method: &Method,
+        poll: &mut dyn FnMut() -> bool,
+    ) -> Result<Solutions> {
         match method {
             Method::Analytic(rules) | Method::Suboptimal(rules) => rules.check()?,
             Method::Exact => self.check_certificate()?,
@@ -355,6 +360,7 @@ impl Arm {
         let at_reset = self.fk(&reset);
         let (joints, _) = out.answers.q.as_chunks_mut::<5>();
         for (i, (target, q)) in targets.iter().zip(joints).enumerate() {
+            goes_on(i, poll)?;
             match self.solve_prepared(*target, &method) {
                 Ok(found) => {
                     *q = found.q;

@@ -332,7 +332,7 @@ fn failed_rows_hold_the_reset_pose_and_how_far_it_is_off() {
     let arm = arm();
     let targets = [[0.4, 1.2, -0.3], [f64::NAN; 3]];
     for method in [Method::Exact, Method::Analytic(Rules::default())] {
-        let out = arm.solve_all(&targets, &method).unwrap().answers;
+        let out = arm.solve_all(&targets, &method, &mut || true).unwrap().answers;
         assert_eq!(out.q, [arm.reset_pose(); 2].concat());
         let at = arm.fk(&arm.reset_pose());
         let off: f64 = (0..3).map(|i| (at[i] - targets[0][i]).powi(2)).sum();

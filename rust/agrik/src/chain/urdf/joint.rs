@@ -146,7 +146,7 @@ impl Declared<'_> {
         let Some(element) = self.element.child("limit") else {
             return Ok(None);
         };
-        let (lower, upper) = (self.number(element, "lower")?, self.number(element, "upper")?);
+        let (lower, upper) = (self.limit(element, "lower")?, self.limit(element, "upper")?);
         if lower.is_none() && upper.is_none() {
             return Ok(None);
         }
@@ -195,6 +195,15 @@ impl Declared<'_> {
 
     fn number(&self, element: &Element, attribute: &str) -> Result<Option<f64>> {
         Ok(self.numbers::<1>(element, attribute)?.map(|[x]| x))
+    }
+
+    /// A number that may be infinite.
+    fn limit(&self, element: &Element, attribute: &str) -> Result<Option<f64>> {
+        let stated = element.attribute(attribute).and_then(|text| text.trim().parse().ok());
+        match stated {
+            Some(x) if f64::is_infinite(x) => Ok(Some(x)),
+            _ => self.number(element, attribute),
+        }
     }
 
     fn vector(&self, element: &Element, attribute: &str) -> Result<Option<[f64; 3]>> {

@@ -8,7 +8,7 @@
 
 use std::f64::consts::TAU;
 
-use super::check::wrap_one;
+use super::check::{least_outside, wrap_one};
 use super::group::Job;
 use super::polish::Polished;
 use crate::closed_form::families::{ClosedForm, SphericalWrist};
@@ -21,6 +21,8 @@ use crate::task::Goal;
 
 /// Whole turns to either side that are tried.
 const TURNS: i32 = 3;
+/// What rounding may do to a joint value of a singular branch, rad.
+const ROUNDING: f64 = 1e-7;
 /// Below this sine axes are nearly in line.
 const NEARLY: f64 = 1e-4;
 /// Most values of a free first joint that are tried.
@@ -98,12 +100,18 @@ pub(crate) fn split(
     any.then_some(out)
 }
 
-/// The joint values, if they are inside the limits and within the tolerances.
-fn passed(job: &Job<'_>, goal: &Goal<f64>, q: [f64; JOINTS]) -> Option<Polished> {
-    let inside = q.iter().zip(job.limits()).all(|(x, l)| l.lower <= *x && *x <= l.upper);
+/// The joint values, if they are inside the limits, but for rounding, and within the
+/// tolerances.
+fn passed(job: &Job<'_>, goal: &Goal<f64>, mut q: [f64; JOINTS]) -> Option<Polished> {
+    if least_outside(job.limits(), &mut q) > ROUNDING {
+        return None;
+    }
+    for (x, limit) in q.iter_mut().zip(job.limits()) {
+        *x = x.clamp(limit.lower, limit.upper);
+    }
     let (position2, chord2) = job.exact.miss(&q, goal);
     let reached = job.exact.is_near(position2, chord2) & 1 != 0;
-    (inside && reached).then_some(Polished { q, inside, position2, chord2 })
+    reached.then_some(Polished { q, inside: true, position2, chord2 })
 }
 
 /// Joint values in which joint `first` and the next but one, whose axes are in line, share

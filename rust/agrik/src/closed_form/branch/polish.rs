@@ -6,7 +6,7 @@ use crate::closed_form::geometry::candidate::{Candidate, JOINTS};
 use crate::closed_form::geometry::limit::Limit;
 use crate::kinematics::{Workspace, columns, forward};
 use crate::lanes::Real;
-use crate::solve::Step;
+use crate::solve::{Lengths, Step};
 use crate::task::{Goal, PoseRows, Rows};
 
 /// A branch that misses by more than the first and less than the second (m, rad) gets steps:
@@ -134,7 +134,7 @@ fn stepped(
     let mut workspace = Workspace::new(exact.compiled);
     forward(exact.compiled, &ordered[..joints], &mut workspace);
     let tool = workspace.tool_point(exact.tail.translation);
-    let rows = PoseRows { scale: 1.0 };
+    let rows = PoseRows { scale: 1.0, onward: None };
     let error = rows.error(&workspace, tool, goal);
     let mut jacobian = [[0.0; 6]; JOINTS];
     columns(exact.compiled, &workspace, tool, |variable, linear, angular| {
@@ -149,7 +149,8 @@ fn stepped(
     }
     let mut change = [0.0; JOINTS];
     let newton = Step::LevenbergMarquardt { damping };
-    newton.compute(&jacobian[..joints], &error.rows, &mut change[..joints]);
+    let lengths = Lengths::new(1.0, false);
+    newton.compute(&jacobian[..joints], &error.rows, &lengths, &mut change[..joints]);
     let mut out = *q;
     for (x, variable) in out.iter_mut().zip(exact.variables) {
         *x += change[*variable];

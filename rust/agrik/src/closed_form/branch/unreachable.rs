@@ -14,7 +14,9 @@ use crate::closed_form::families::srs::{Elbow, Line, Srs};
 use crate::closed_form::families::{ClosedForm, SphericalWrist};
 use crate::closed_form::geometry::axes::Geometry;
 use crate::closed_form::geometry::candidate::JOINTS;
-use crate::closed_form::geometry::enclosure::{Arc, Rotation, any_outside, linear_arcs, triples};
+use crate::closed_form::geometry::enclosure::{
+    Arc, Rotation, any_outside, linear_arcs, none_inside,
+};
 use crate::closed_form::geometry::limit::Limit;
 use crate::closed_form::geometry::range::Range;
 use crate::closed_form::geometry::turn::{Turn, advance, components, identity};
@@ -110,8 +112,7 @@ fn no_spherical_wrist(arm: &SphericalWrist, job: &Job<'_>, goal: &Goal<f64>, sla
         }
         let off = arcs.iter().map(|arc| arc.off).sum::<f64>() + slack.turn;
         let wanted = Rotation { x: components(frame, x), z: components(frame, z), off };
-        triples(arm.wrist(), &wanted)
-            .is_none_or(|sides| sides.iter().all(|arcs| any_outside(arcs, &behind)))
+        none_inside(arm.wrist(), &wanted, &behind)
     })
 }
 
@@ -157,14 +158,24 @@ fn no_srs(arm: &Srs, job: &Job<'_>, goal: &Goal<f64>, slack: Slack, all_angles: 
         return false;
     }
     let limits = [three(job, 0), three(job, 4)];
+    bends.iter().all(|bend| no_angle(arm, &at.line, bend, slack, &limits))
+}
+
+/// At every arm angle the shoulder or the wrist is outside its limits.
+fn no_angle(
+    arm: &Srs,
+    line: &Line<f64>,
+    bend: &Bend,
+    slack: Slack,
+    limits: &[[(Limit, f64); 3]; 2],
+) -> bool {
     let half = PI / PIECES as f64;
     let mut open: Vec<(f64, f64)> =
         (0..PIECES).map(|i| (half * (2 * i + 1) as f64 - PI, half)).collect();
     let mut looks = 0;
     while let Some((psi, half)) = open.pop() {
         looks += 1;
-        let angle = psi.sin_cos();
-        if bends.iter().all(|bend| no_piece(arm, &at.line, bend, (angle, half), slack, &limits)) {
+        if no_piece(arm, line, bend, (psi.sin_cos(), half), slack, limits) {
             continue;
         }
         if half < SHORTEST || looks > MOST_PIECES {
@@ -188,14 +199,10 @@ fn no_piece(
     let third = arm.third_link(line, &bend.elbow, angle);
     let off = half + bend.tilt + slack.own;
     let (shoulder, wrist) = arm.meetings();
-    let outside = |meeting, wanted: &Rotation, limits| {
-        triples(meeting, wanted)
-            .is_none_or(|sides| sides.iter().all(|arcs| any_outside(arcs, limits)))
-    };
-    if outside(shoulder, &Rotation { x: third[0], z: third[2], off }, &limits[0]) {
+    if none_inside(shoulder, &Rotation { x: third[0], z: third[2], off }, &limits[0]) {
         return true;
     }
     let [x, z] = arm.left_to_wrist(line, &bend.elbow, third);
     let off = off + bend.off + slack.turn;
-    outside(wrist, &Rotation { x, z, off }, &limits[1])
+    none_inside(wrist, &Rotation { x, z, off }, &limits[1])
 }

@@ -6,6 +6,7 @@ use super::one_pose::Alone;
 use super::query::{FEW, Query, RUN};
 use crate::call::Status;
 use crate::closed_form::branch::group::Group;
+use crate::closed_form::branch::unreachable::is_out_of_reach;
 use crate::error::{Error, Result};
 use crate::lanes::{Kernel, Level, Real, dispatch};
 use crate::threads::share;
@@ -124,9 +125,12 @@ fn none<R: Real>(
 ) -> Status {
     let (job, goal) = (&group.job, group.goal.of_lane(lane));
     let branches = group.candidates.map(|candidate| candidate.q.map(|x| x.lane(lane)));
+    if is_out_of_reach(job, &goal, false) {
+        return Status::OutOfReach;
+    }
     let centre = group.near.centre.map(|x| x.lane(lane));
     let Some((b, posture)) = last_resort::found(job, &goal, &centre, &branches) else {
-        return last_resort::status(job, &goal, false);
+        return Status::NotFound;
     };
     let (joints, count) = (job.variables().len(), job.form.branches());
     let q = &mut rows.q[(i * count + b) * joints..][..joints];

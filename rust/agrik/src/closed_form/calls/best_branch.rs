@@ -10,6 +10,7 @@ use crate::closed_form::branch::check::least_outside;
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::branch::group::{Group, Job};
 use crate::closed_form::branch::polish::Polished;
+use crate::closed_form::branch::unreachable::is_out_of_reach;
 use crate::closed_form::families::{ClosedForm, Srs};
 use crate::closed_form::geometry::candidate::{JOINTS, MOST_BRANCHES};
 use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
@@ -212,7 +213,10 @@ fn none<R: Real>(
     let (job, goal) = (&group.job, group.goal.of_lane(lane));
     let branches = group.candidates.map(|candidate| candidate.q.map(|x| x.lane(lane)));
     let centre = group.near.centre.map(|x| x.lane(lane));
+    // Mostly there is a proof, and it costs less than the search.
+    let none = is_out_of_reach(job, &goal, free.is_some());
     let posture = match free {
+        _ if none => None,
         Some(arm) => last_resort::found_at_any_angle(arm, &mut group.one_lane(lane)),
         None => last_resort::found(job, &goal, &centre, &branches).map(|found| found.1),
     };
@@ -223,7 +227,7 @@ fn none<R: Real>(
         }
         return;
     }
-    let status = last_resort::status(job, &goal, free.is_some());
+    let status = if none { Status::OutOfReach } else { Status::NotFound };
     let mut ordered = [[0.0; JOINTS]; MOST_BRANCHES];
     for (to, q) in ordered.iter_mut().zip(&branches) {
         for (x, variable) in q.iter().zip(job.variables()) {

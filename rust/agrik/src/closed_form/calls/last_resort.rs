@@ -1,5 +1,5 @@
 //! Targets of which no branch is inside the limits: a last search for a posture within the
-//! tolerances, and what is said where there is none.
+//! tolerances.
 //!
 //! A posture counts when it is inside the limits and within the tolerances. Where a joint
 //! stands at a limit and the arm is singular, or nearly so, the branch that solves the target
@@ -8,13 +8,11 @@
 
 use std::f64::consts::TAU;
 
-use crate::call::Status;
 use crate::closed_form::arm_angle::intervals::corners;
 use crate::closed_form::branch::check::least_outside;
 use crate::closed_form::branch::group::{Group, Job};
 use crate::closed_form::branch::open_angles::split;
 use crate::closed_form::branch::polish::{Polished, held};
-use crate::closed_form::branch::unreachable::is_out_of_reach;
 use crate::closed_form::families::Srs;
 use crate::closed_form::geometry::candidate::{JOINTS, MOST_BRANCHES};
 use crate::task::Goal;
@@ -81,9 +79,4 @@ pub(super) fn found_at_any_angle(arm: &Srs, single: &mut Group<'_, f64>) -> Opti
         branches.extend(single.candidates.iter().map(|candidate| candidate.q));
     }
     found(&single.job, &single.goal, &single.near.centre, &branches).map(|(_, posture)| posture)
-}
-
-/// What is said of a target without an answer.
-pub(super) fn status(job: &Job<'_>, goal: &Goal<f64>, all_angles: bool) -> Status {
-    if is_out_of_reach(job, goal, all_angles) { Status::OutOfReach } else { Status::NotFound }
 }

@@ -7,6 +7,7 @@ use super::query::{Query, Target};
 use crate::call::Status;
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::branch::group::Job;
+use crate::closed_form::branch::unreachable::is_out_of_reach;
 use crate::closed_form::geometry::candidate::{JOINTS, MOST_BRANCHES};
 use crate::lanes::{Kernel, Lanes, Level, Real, dispatch};
 use crate::task::Goal;
@@ -178,6 +179,9 @@ impl Alone {
         centre: &[f64; JOINTS],
         left: Option<&mut Left>,
     ) -> Status {
+        if is_out_of_reach(job, goal, false) {
+            return Status::OutOfReach;
+        }
         let mut branches = [[0.0; JOINTS]; MOST_BRANCHES];
         for (b, branch) in branches.iter_mut().enumerate() {
             for (x, variable) in branch.iter_mut().zip(job.variables()) {
@@ -185,7 +189,7 @@ impl Alone {
             }
         }
         let Some((b, posture)) = last_resort::found(job, goal, centre, &branches) else {
-            return last_resort::status(job, goal, false);
+            return Status::NotFound;
         };
         for (x, variable) in posture.q.iter().zip(job.variables()) {
             self.q[b * self.joints + variable] = *x;

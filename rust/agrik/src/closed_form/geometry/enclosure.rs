@@ -111,26 +111,35 @@ pub struct Rotation {
     pub off: f64,
 }
 
-/// Arcs of the turns of three joints whose axes meet that bring about a rotation, for each
-/// side of the second one; `None` where none do. See [`Meeting::solve`].
-pub fn triples(meeting: &Meeting, wanted: &Rotation) -> Option<[[Arc; 3]; 2]> {
+/// Three joints whose axes meet bring about no rotation that is meant within their limits, on
+/// either side of the second one. See [`Meeting::solve`].
+pub fn none_inside(meeting: &Meeting, wanted: &Rotation, limits: &[(Limit, f64); 3]) -> bool {
     let (s1, c1) = (meeting.one.sine, meeting.one.cosine);
     let (s2, c2) = (meeting.two.sine, meeting.two.cosine);
     let Rotation { x, z, off } = *wanted;
     let chord = off.min(2.0) + ROUNDING;
     let cosine = (c1 * c2 - z[2]) / (s1 * s2);
     let wide = chord / (s1 * s2).abs();
-    let second = arc_cosines(Range { low: cosine - wide, high: cosine + wide })?;
-    // The third row's part across the third axis.
-    let row = (x[2], cross(z, x)[2]);
-    let (column, row) = (Arc::toward(z[0], z[1], chord), Arc::toward(row.0, row.1, chord));
-    Some([second, second.mirrored()].map(|second| {
+    let Some(second) = arc_cosines(Range { low: cosine - wide, high: cosine + wide }) else {
+        return true;
+    };
+    let outside = |j: usize, arc: Arc| arc.turned(-limits[j].1).is_outside(&limits[j].0);
+    [second, second.mirrored()].into_iter().all(|second| {
+        if outside(1, second) {
+            return true;
+        }
         let (sine, cosine) = second.middle.sin_cos();
         let error = second.chord() + ROUNDING;
+        let column = Arc::toward(z[0], z[1], chord);
         let up = Arc::toward(s2 * sine, -c1 * s2 * cosine - s1 * c2, s2.abs() * error);
+        if outside(0, column.minus(up)) {
+            return true;
+        }
+        // The third row's part across the third axis.
+        let row = Arc::toward(x[2], cross(z, x)[2], chord);
         let down = Arc::toward(s1 * sine, c2 * s1 * cosine + s2 * c1, s1.abs() * error);
-        [column.minus(up), second, down.minus(row)]
-    }))
+        outside(2, down.minus(row))
+    })
 }
 
 /// Some joint is outside its limits, whichever of the arcs' angles it stands at; arcs of

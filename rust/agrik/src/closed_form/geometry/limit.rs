@@ -2,10 +2,8 @@
 
 use crate::chain::Variable;
 
-/// A joint value this far past a limit is rounding, and is put on the limit, rad: the root of
-/// the rounding of a cosine near 1, several times. Where that is too far for the tolerances,
-/// the check by forward kinematics, which comes after, says so.
-pub const SLACK: f64 = 1e-7;
+/// A joint value this far past a limit is rounding, and is put on the limit, rad.
+pub const SLACK: f64 = 1e-10;
 
 /// A joint's limits and the value that it stays near.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,6 +4,7 @@ use smallvec::smallvec;
 
 use super::Engine;
 use super::feedback::Halt;
+use super::nearest::{End, Search};
 use super::runs::{Place, Runs};
 use crate::call::{AnswersMut, Outcome, Status};
 use crate::chain::Variable;
@@ -11,6 +12,16 @@ use crate::kinematics::PerJoint;
 use crate::lanes::Real;
 use crate::solve::step::squared_norm;
 use crate::task::{Goal, Rows, TaskError};
+
+/// From this attempt on every second one starts near the best end so far.
+const HOPS: u32 = 8;
+/// Most starts from which a nearest posture is looked for; fewer where so many ends after the
+/// best one bring the tool as near as it, but for this share of the length per radian.
+const MOST_STARTS: u32 = 32;
+const ENOUGH: u32 = 8;
+const SAME: f64 = 1e-5;
+/// What orientations count beside places while the nearest posture is looked for.
+const LITTLE: f64 = 1e-3;
 
 /// What a lane is busy with.
 #[derive(Debug, Clone)]
@@ -105,6 +116,10 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             self.start(lane, row, attempt, &goal);
             return true;
         }
+        if !solved && self.completes {
+            self.complete(lane);
+        }
+        let job = &mut self.jobs[lane];
         let best = job.best.unwrap_or_else(|| {
             job.best_q.iter_mut().zip(self.variables).for_each(|(x, v)| *x = v.near_zero());
             Best {
@@ -114,7 +129,8 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
                 orientation_error: f64::INFINITY,
             }
         });
-        let status = if !solved && job.unreachable { Status::OutOfReach } else { best.status };
+        let proven = job.unreachable && best.status != Status::Converged;
+        let status = if proven { Status::OutOfReach } else { best.status };
         let outcome = Outcome {
             status,
             position_error: best.position_error,
@@ -126,6 +142,65 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             runs.finish(place, outcome, job.best_q.iter().copied());
         }
         false
+    }
+
+    /// Looks for a row's nearest posture where attempts did not solve it: from the best end, and
+    /// from other starts. Solved after all is solved.
+    #[inline(never)]
+    fn complete(&mut self, lane: usize) {
+        let job = &mut self.jobs[lane];
+        let Some(goal) = self.plan.request.goal(job.row) else { return };
+        let (plan, limits) = (self.plan, &self.limits[..]);
+        let scale = self.setup.rotation_scale;
+        let whole = Search { plan, limits, goal, scale };
+        let place = Search { scale: scale * LITTLE, ..whole };
+        let mut best: Option<(End, PerJoint<f64>)> = None;
+        // Ends that are as near as the best one.
+        let mut agree = 0;
+        let same = SAME * scale;
+        for start in 0..MOST_STARTS {
+            let mut q = job.best_q.clone();
+            if start > 0 || job.best.is_none() {
+                let attempt = job.attempt + start;
+                self.plan.sampler.sample(job.row, attempt, &job.goal, &mut q);
+                for (x, v) in q.iter_mut().zip(limits) {
+                    *x = x.max(v.lower).min(v.upper);
+                }
+            }
+            let mut end = None;
+            if start == 0 || !job.unreachable && start % 2 == 0 {
+                end = Some(whole.run(&mut q));
+            }
+            job.steps += end.map_or(0, |end| end.steps);
+            // First the place, then how the tool is turned.
+            let end = end.filter(|end| end.solved).unwrap_or_else(|| place.run(&mut q));
+            job.steps += end.steps;
+            let before = best.as_ref().map(|(before, _)| *before);
+            if let Some(before) = before {
+                let closer = before.position_error - end.position_error;
+                agree = if closer > same { 0 } else { agree + u32::from(closer > -same) };
+            }
+            if end.solved || before.is_none_or(|before| end.cost < before.cost) {
+                best = Some((end, q));
+            }
+            if end.solved || agree >= ENOUGH {
+                break;
+            }
+        }
+        if let Some((end, q)) = best {
+            let status = if end.solved { Status::Converged } else { Status::NotFound };
+            job.best = Some(Best {
+                squared: 2.0 * end.cost,
+                status,
+                position_error: end.position_error,
+                orientation_error: end.orientation_error,
+            });
+            for (((to, x), v), reference) in
+                job.best_q.iter_mut().zip(q).zip(&self.limits).zip(&self.reference)
+            {
+                *to = if v.winds { v.wound(x, reference.lane(lane)) } else { x };
+            }
+        }
     }
 
     /// Gives a lane the next target that needs solving; false where none is left.
@@ -143,11 +218,11 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
                 runs.finish(place, outcome, self.variables.iter().map(Variable::near_zero));
                 continue;
             };
-            self.goal.set_lane(lane, &goal);
+            self.goal.set_lane(lane, &self.setup.at_point(goal));
             let job = &mut self.jobs[lane];
             job.place = Some(place);
             job.row = row;
-            job.goal = goal;
+            job.goal = self.setup.at_point(goal);
             job.attempt = 0;
             job.steps = 0;
             job.steps_before = 0;
@@ -164,6 +239,11 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         let given = self.plan.start(row);
         let begin: &[f64] = match given {
             Some(start) if attempt == 0 => start,
+            _ if attempt >= HOPS && attempt % 2 == 1 && self.jobs[lane].best.is_some() => {
+                self.begin.clone_from(&self.jobs[lane].best_q);
+                self.plan.sampler.hop(row, attempt, &mut self.begin);
+                &self.begin
+            }
             _ => {
                 self.plan.sampler.sample(row, attempt, goal, &mut self.begin);
                 &self.begin
@@ -172,9 +252,14 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         for ((q, x), v) in self.q.iter_mut().zip(begin).zip(&self.limits) {
             q.set_lane(lane, x.max(v.lower).min(v.upper));
         }
-        if self.has_continuous {
-            for (i, reference) in self.reference.iter_mut().enumerate() {
-                reference.set_lane(lane, given.map_or(0.0, |start| start[i]));
+        if self.has_continuous || self.winds {
+            for (i, (reference, v)) in self.reference.iter_mut().zip(&self.limits).enumerate() {
+                let about = given.map_or(v.middle, |start| start[i]);
+                reference.set_lane(lane, about);
+                if v.turns && !v.winds {
+                    let x = self.q[i].lane(lane);
+                    self.q[i].set_lane(lane, v.wound(x, about));
+                }
             }
         }
         if FEEDBACK {

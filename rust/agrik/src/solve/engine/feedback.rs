@@ -124,7 +124,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             Some(Feedback::Descent) | None => Halt::default(),
         };
         if self.has_continuous {
-            self.wind_back();
+            self.wind_back(mask);
         }
         for (lane, job) in self.jobs.iter_mut().enumerate() {
             job.steps += moving >> lane & 1;
@@ -210,10 +210,10 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
                 predicted = memory.gain[i * M + k].mul_add(way[k], predicted);
             }
             let wrong = (memory.change[i] - predicted) * share;
-            let wrong = R::select(usable, wrong, R::zero());
             for k in 0..M {
                 let entry = &mut memory.gain[i * M + k];
-                *entry = wrong.mul_add(way[k], *entry);
+                // Not by a factor of zero: the way of an attempt that ended may be no number.
+                *entry = R::select(usable, wrong.mul_add(way[k], *entry), *entry);
             }
         }
         // Where it leads nowhere for a while, what was learned is forgotten.
@@ -261,7 +261,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         let compiled = self.plan.request.chain().compiled();
         let tolerance = self.setup.aim.tolerance();
         let (position2, orientation2) = (square(tolerance.position), square(tolerance.orientation));
-        let rounding = R::splat(ROUNDING * self.plan.request.chain().reach().radius);
+        let rounding = R::splat(ROUNDING * self.plan.request.chain().reach().size);
         let dof = self.q.len();
         // Turning the tool about one axis moves no axis before it, so a sweep from the tip
         // needs one pass of forward kinematics.
@@ -270,7 +270,8 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         let mut axes = self.workspace.joint_axes();
         let mut length = squared_norm(&error.rows).sqrt();
         let memory = &mut self.memory;
-        memory.previous = R::select(memory.previous.lt(R::zero()), length, memory.previous);
+        let first = R::and(mask, memory.previous.lt(R::zero()));
+        memory.previous = R::select(first, length, memory.previous);
         let mut going = mask;
         let mut moved = R::zero();
         for turn in 0..dof {

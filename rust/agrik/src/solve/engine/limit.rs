@@ -1,8 +1,12 @@
 //! A joint's limits as the loop sees them.
 
+use crate::call::Starts;
 use crate::chain::{JointKind, Variable};
 use crate::kinematics::PerJoint;
 use crate::solve::plan::Plan;
+
+/// A full turn, with room for rounding.
+const TURN: f64 = std::f64::consts::TAU + 1e-9;
 
 /// The limits of one joint value, rad or m.
 #[derive(Debug, Clone, Copy)]
@@ -11,6 +15,11 @@ pub(super) struct Limit {
     pub upper: f64,
     /// The joint can take every angle, so that its limits hold nothing back.
     pub turns: bool,
+    /// There may be several angles for a posture.
+    pub winds: bool,
+    /// The joint slides.
+    pub slides: bool,
+    pub middle: f64,
 }
 
 impl Limit {
@@ -18,16 +27,46 @@ impl Limit {
         // Half a step of rounding: limits of plus and minus half a turn are a full one.
         let full = v.upper - v.lower >= std::f64::consts::TAU - 1e-15;
         let turns = v.kind != JointKind::Prismatic && full;
-        Self { lower: v.lower, upper: v.upper, turns }
+        let slides = v.kind == JointKind::Prismatic;
+        let winds = turns && v.kind != JointKind::Continuous;
+        Self { lower: v.lower, upper: v.upper, turns, winds, slides, middle: v.middle() }
+    }
+}
+
+impl Limit {
+    /// The angle of the same posture that is nearest to `about` inside the limits.
+    #[inline(always)]
+    pub fn wound(&self, x: f64, about: f64) -> f64 {
+        use std::f64::consts::TAU;
+        let nearest = |to: f64| x + ((to - x) / TAU).round() * TAU;
+        let mut y = nearest(about);
+        if y < self.lower {
+            y += TAU;
+        } else if y > self.upper {
+            y -= TAU;
+        }
+        // Half a turn away on either side is as near.
+        let nearer = (y - about).abs() < (x - about).abs() - 1e-9;
+        if nearer && self.lower <= y && y <= self.upper { y } else { x }
     }
 }
 
 /// The limits of a plan: those of the joints, unless it has narrower ones.
 pub(super) fn limits(plan: &Plan<'_>) -> PerJoint<Limit> {
     match &plan.bounds {
-        None => plan.request.chain().variables().iter().map(Limit::of).collect(),
+        None => {
+            // With starts given, joints wider than a turn stay on the side where they stand.
+            let started = !matches!(plan.request.starts(), Starts::Free);
+            let stays = |v: &Limit| started && v.winds && v.upper - v.lower > TURN;
+            let limits = plan.request.chain().variables().iter().map(Limit::of);
+            limits.map(|v| Limit { turns: v.turns && !stays(&v), ..v }).collect()
+        }
         Some(bounds) => {
-            bounds.iter().map(|&(lower, upper)| Limit { lower, upper, turns: false }).collect()
+            let variables = plan.request.chain().variables().iter().map(Limit::of);
+            variables
+                .zip(bounds)
+                .map(|(v, &(lower, upper))| Limit { lower, upper, turns: false, winds: false, ..v })
+                .collect()
         }
     }
 }

@@ -5,10 +5,10 @@ use super::evaluator::{Fitness, Gene, Population, Range};
 use super::progress::End;
 use super::rows::{Rows, WHOLE};
 use super::run::Run;
-use crate::Allowed;
 use crate::error::Result;
 use crate::lanes::{Real, Words};
 use crate::random::Stream;
+use crate::{Allowed, Field};
 
 /// What a mutant starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -92,9 +92,13 @@ struct Parts<'s, R> {
 }
 
 impl Differential {
-    /// Refuses numbers outside their ranges.
+    /// The numbers that users choose, one by one.
+    pub fn fields(&mut self) -> Vec<Field<'_>> {
+        vec![Field::real("weight", &mut self.weight, Allowed::up_to(2.0))]
+    }
+
+    /// Refuses a range of crossover rates that is none.
     pub fn check(&self) -> Result<()> {
-        Allowed::up_to(2.0).check("weight", self.weight)?;
         let (low, high) = self.crossover;
         Allowed::between(0.0, 2.0).check("crossover", low)?;
         Allowed::between(low, 2.0).check("crossover", high)

@@ -4,6 +4,7 @@ use crate::chain::{Chain, Compiled, JointKind};
 use crate::kinematics::{Workspace, forward_frame};
 use crate::lanes::Real;
 use crate::random::Stream;
+use crate::solve::start::range;
 
 /// What makes one individual better than another: the lower the cost, the better.
 ///
@@ -38,6 +39,11 @@ impl Gene {
                     upper: about(i) + std::f64::consts::PI,
                     turns: true,
                 },
+                // Slides without limits.
+                _ if (v.upper - v.lower).is_infinite() => {
+                    let (lower, width) = range(chain, v);
+                    Self { lower, upper: lower + width, turns: false }
+                }
                 _ => Self { lower: v.lower, upper: v.upper, turns: false },
             })
             .collect()

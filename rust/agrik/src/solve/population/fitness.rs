@@ -158,7 +158,7 @@ impl<R: Real> Fitness<R> for TaskFitness<'_, R> {
                 self.weighted(dot(p, p), self.euler2(at))
             }
             (Task::Pose, Orientation::RotationVector) => {
-                let e = PoseRows { scale: 1.0 }.error(at, tool, goal);
+                let e = PoseRows { scale: 1.0, onward: None }.error(at, tool, goal);
                 self.weighted(e.position2, e.orientation2)
             }
             (Task::Axis { tool_axis }, _) => {

@@ -2,13 +2,12 @@
 //! Agrawal 1995), Gaussian mutation, elites.
 
 use super::boundary::Boundary;
-use super::evaluator::{Fitness, Gene, Population};
+use super::evaluator::{Fitness, Population};
 use super::progress::End;
 use super::run::Run;
-use crate::Allowed;
-use crate::error::Result;
 use crate::lanes::Real;
 use crate::random::Stream;
+use crate::{Allowed, Field};
 
 /// How a generation is bred.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,15 +28,23 @@ pub struct Genetic {
     pub boundary: Boundary,
 }
 
+/// Individuals drawn between two questions whether to go on: a generation of large
+/// tournaments in a large population takes hours.
+const DRAWS_PER_POLL: usize = 1 << 16;
+
 impl Genetic {
-    /// Refuses numbers outside their ranges.
-    pub fn check(&self, population: u32) -> Result<()> {
-        Allowed::whole(1, population).check("tournament", self.tournament)?;
-        Allowed::whole(0, population.saturating_sub(1)).check("elites", self.elites)?;
-        Allowed::SHARE.check("crossover_rate", self.crossover_rate)?;
-        Allowed::NOT_NEGATIVE.check("crossover_index", self.crossover_index)?;
-        Allowed::SHARE.check("mutation_rate", self.mutation_rate)?;
-        Allowed::NOT_NEGATIVE.check("mutation_width", self.mutation_width)
+    /// The numbers that users choose, for a population of a size.
+    pub fn fields(&mut self, population: u32) -> Vec<Field<'_>> {
+        let below = Allowed::whole(0, population.saturating_sub(1));
+        let not_negative = Allowed::NOT_NEGATIVE;
+        vec![
+            Field::count("tournament", &mut self.tournament, Allowed::whole(1, population)),
+            Field::real("crossover_rate", &mut self.crossover_rate, Allowed::SHARE),
+            Field::real("crossover_index", &mut self.crossover_index, not_negative),
+            Field::real("mutation_rate", &mut self.mutation_rate, Allowed::SHARE),
+            Field::real("mutation_width", &mut self.mutation_width, not_negative),
+            Field::count("elites", &mut self.elites, below),
+        ]
     }
 
     #[inline(always)]
@@ -48,22 +55,25 @@ impl Genetic {
             if let Err(end) = run.best() {
                 return end;
             }
-            self.breed(run.genes, run.population, &mut children, &mut order, run.stream);
+            if !self.breed(&mut run, &mut children, &mut order) {
+                return End::Interrupted;
+            }
             run.evaluator.evaluate(&mut children);
             std::mem::swap(run.population, &mut children);
             run.progress.generations += 1;
         }
     }
 
-    fn breed<R: Real>(
+    /// Makes the next generation; false where the caller wants to stop.
+    fn breed<R: Real, F>(
         &self,
-        genes: &[Gene],
-        population: &Population<R>,
+        run: &mut Run<'_, '_, R, F>,
         children: &mut Population<R>,
         order: &mut Vec<usize>,
-        stream: &mut Stream,
-    ) {
+    ) -> bool {
+        let Run { genes, population, stream, keep_going, .. } = run;
         let dof = population.dof;
+        let mut drawn = 0;
         let (mut a, mut b) = (vec![0.0; dof], vec![0.0; dof]);
         let mut made = self.elites as usize;
         population.ranked(made, order);
@@ -72,6 +82,13 @@ impl Genetic {
             children.write(i, &a);
         }
         while made < population.size {
+            drawn += 2 * self.tournament as usize;
+            if drawn >= DRAWS_PER_POLL {
+                drawn = 0;
+                if !keep_going() {
+                    return false;
+                }
+            }
             population.read(self.parent(population, stream), &mut a);
             population.read(self.parent(population, stream), &mut b);
             if stream.uniform() < self.crossover_rate {
@@ -81,7 +98,7 @@ impl Genetic {
                 if made == population.size {
                     break;
                 }
-                for (x, gene) in child.iter_mut().zip(genes) {
+                for (x, gene) in child.iter_mut().zip(*genes) {
                     if stream.uniform() < self.mutation_rate {
                         *x += self.mutation_width * (gene.upper - gene.lower) * stream.normal();
                     }
@@ -91,6 +108,7 @@ impl Genetic {
                 made += 1;
             }
         }
+        true
     }
 
     /// The best of a few drawn individuals.

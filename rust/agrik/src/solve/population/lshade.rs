@@ -60,6 +60,9 @@ impl Memory {
     }
 }
 
+/// Trials between two questions whether to go on.
+const TRIALS_PER_POLL: usize = 1 << 16;
+
 /// A run of so many evaluations: a population that shrinks has more generations.
 #[inline(always)]
 pub(super) fn run<R: Real, F: Fitness<R>>(
@@ -87,13 +90,16 @@ pub(super) fn run<R: Real, F: Fitness<R>>(
         if evaluations >= budget {
             return End::Generations;
         }
-        let Run { evaluator, population, stream, progress, .. } = &mut run;
+        let Run { evaluator, population, stream, progress, keep_going, .. } = &mut run;
         let size = population.size;
         let top = ((TOP * size as f64).round() as usize).max(2);
         population.ranked(top, &mut order);
         trial.resize(size);
         tried.clear();
         for i in 0..size {
+            if i % TRIALS_PER_POLL == TRIALS_PER_POLL - 1 && !keep_going() {
+                return End::Interrupted;
+            }
             let (weight, rate) = memory.draw(stream);
             tried.push((weight, rate));
             population.read(i, &mut x);

@@ -34,15 +34,7 @@ impl Progress {
     /// The progress of a run that ends after `last` generations, at a cost of at most
     /// `target`, or after `patience` generations (0: any number) at a standstill.
     pub fn new(last: u32, target: f64, patience: u32) -> Self {
-        Self {
-            generations: 0,
-            last,
-            target,
-            patience,
-            mark: f64::INFINITY,
-            since: 0,
-            trace: None,
-        }
+        Self { generations: 0, last, target, patience, mark: f64::INFINITY, since: 0, trace: None }
     }
 
     /// Notes the best cost, and says whether that ends the run.

@@ -4,6 +4,7 @@ use super::evaluator::{Evaluator, Gene, Population};
 use super::fitness::{EulerGoal, TaskFitness};
 use super::progress::{End, Progress};
 use super::settings::Settings;
+use crate::allowed::LARGEST;
 use crate::call::{Answers, AnswersMut, Outcome, Request, Solve, Status};
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, forward};
@@ -46,10 +47,17 @@ impl<'a> Evolution<'a> {
     }
 
     /// The best cost of the first population of target `row` and after each generation of
-    /// its first run; the curve that papers print.
-    pub fn trace(&self, level: Level, row: usize) -> Result<Vec<f64>> {
+    /// its first run; the curve that papers print. `poll` is asked now and then whether to go
+    /// on.
+    pub fn trace(
+        &self,
+        level: Level,
+        row: usize,
+        poll: &mut dyn FnMut() -> bool,
+    ) -> Result<Vec<f64>> {
         if self.plan.request.goal(row).is_none() {
-            return Err(Error::argument("targets", "finite numbers", "NaN or infinity"));
+            let expected = format!("finite numbers of size {LARGEST:e} at most, as of `q0`");
+            return Err(Error::argument("targets", expected, "others"));
         }
         let settings = Settings { polish: false, max_restarts: 0, ..self.settings };
         let evolution = &Self { settings, ..self.clone() };
@@ -57,11 +65,11 @@ impl<'a> Evolution<'a> {
         let mut rows = answers.as_mut();
         rows.first = row;
         let mut rows = Some(rows);
-        let (next, keep_going) = (&mut || rows.take(), &mut || true);
+        let next = &mut || rows.take();
         let mut trace = Vec::new();
         let wanted = Some(&mut trace);
-        dispatch(level, Searches { evolution, level, next, keep_going, trace: wanted });
-        Ok(trace)
+        let searches = Searches { evolution, level, next, keep_going: poll, trace: wanted };
+        if dispatch(level, searches) { Ok(trace) } else { Err(Error::Interrupted) }
     }
 
     #[inline(always)]

@@ -7,11 +7,11 @@ use super::genetic::Genetic;
 use super::progress::{End, Progress};
 use super::run::Run;
 use super::{Boundary, Mutation, Redraw, lshade};
-use crate::Allowed;
 use crate::error::{Error, Result};
 use crate::lanes::Real;
 use crate::random::Stream;
 use crate::task::Task;
+use crate::{Allowed, Field};
 
 /// Individuals that a search can hold.
 const MOST: u32 = 1 << 20;
@@ -126,25 +126,39 @@ impl Settings {
         ..Self::DIFFERENTIAL
     };
 
-    /// Refuses numbers outside their ranges.
-    pub fn check(&self) -> Result<()> {
-        Allowed::whole(4, MOST).check("population", self.population)?;
-        Allowed::whole(1, u32::MAX).check("generations", self.generations)?;
-        let orientation_weight = self.orientation_weight.unwrap_or(0.0);
-        for (name, value) in [
-            ("position_weight", self.position_weight),
-            ("orientation_weight", orientation_weight),
-            ("start_weight", self.start_weight),
-            ("target_cost", self.target_cost),
-        ] {
-            Allowed::NOT_NEGATIVE.check(name, value)?;
+    /// The numbers that users choose; that of one of them may hang on another.
+    pub fn fields(&mut self) -> Vec<Field<'_>> {
+        let mut fields = match &mut self.algorithm {
+            Algorithm::Differential(it) => it.fields(),
+            Algorithm::Genetic(it) => it.fields(self.population),
+        };
+        let weight = Allowed::NOT_NEGATIVE;
+        fields.extend([
+            Field::count("population", &mut self.population, Allowed::whole(4, MOST)),
+            Field::count("generations", &mut self.generations, Allowed::whole(1, u32::MAX)),
+            Field::count("max_restarts", &mut self.max_restarts, Allowed::COUNT),
+            Field::real("position_weight", &mut self.position_weight, weight.of("per m")),
+            Field::real("start_weight", &mut self.start_weight, weight),
+            Field::real("target_cost", &mut self.target_cost, weight),
+            Field::count("stagnation", &mut self.stagnation, Allowed::COUNT),
+        ]);
+        if let Some(orientation) = &mut self.orientation_weight {
+            fields.push(Field::real("orientation_weight", orientation, weight.of("per rad")));
         }
-        if self.position_weight == 0.0 && self.orientation_weight == Some(0.0) {
+        fields
+    }
+
+    /// Refuses numbers that are not allowed.
+    pub fn check(&self) -> Result<()> {
+        // On a copy: numbers are small.
+        let mut copy = *self;
+        copy.fields().iter().try_for_each(Field::check)?;
+        if self.position_weight == 0.0 && self.orientation_weight.unwrap_or(0.0) == 0.0 {
             return Err(Error::argument("position_weight", "one of the weights above 0", 0));
         }
         match &self.algorithm {
             Algorithm::Differential(it) => it.check(),
-            Algorithm::Genetic(it) => it.check(self.population),
+            Algorithm::Genetic(_) => Ok(()),
         }
     }
 

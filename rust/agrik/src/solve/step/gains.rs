@@ -1,10 +1,10 @@
 //! Gains of the feedback laws: as written, with their units and axes, and as the loop
 //! uses them, in metres, radians and world axes.
 
-use nalgebra::{DMatrix, Matrix3};
+use nalgebra::{DMatrix, Dyn, Matrix3, SVD};
 
 use super::{Settings, Step};
-use crate::Allowed;
+use crate::allowed::check_measures;
 use crate::chain::{Chain, JointKind, Tail};
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, columns, forward};
@@ -15,6 +15,10 @@ const FROZEN_CUTOFF: f64 = 1e-2;
 /// Share of a full step that a frozen pseudo-inverse takes: far from where it was frozen
 /// a full one overshoots.
 const FROZEN_SHARE: f64 = 0.5;
+
+/// Sweeps after which a decomposition is given up: far more than a Jacobian of a thousand joints
+/// takes.
+const SWEEPS: usize = 100_000;
 
 /// A matrix, row by row.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -44,10 +48,7 @@ impl Matrix {
             let received = format!("{} x {}", self.rows(), self.columns);
             return Err(Error::argument(name, format!("a {rows} x {columns} matrix"), received));
         }
-        if !self.values.iter().all(|x| x.is_finite()) {
-            return Err(Error::argument(name, "finite numbers", "NaN or infinity"));
-        }
-        Ok(())
+        check_measures(name, self.values.iter().copied())
     }
 }
 
@@ -136,9 +137,9 @@ impl Pid {
     pub const FINE: Self = Self { integral: 0.0, ..Self::PUBLISHED };
 
     pub(super) fn check(&self) -> Result<()> {
-        Allowed::FINITE.check("proportional", self.proportional)?;
-        Allowed::FINITE.check("integral", self.integral)?;
-        Allowed::FINITE.check("derivative", self.derivative)
+        check_measures("proportional", [self.proportional])?;
+        check_measures("integral", [self.integral])?;
+        check_measures("derivative", [self.derivative])
     }
 }
 
@@ -202,10 +203,15 @@ impl Feedback {
                 gains.a.check("A", states, states)?;
                 gains.b.check("B", states, around.rows()?)?;
                 gains.c.check("C", chain.dof(), states)?;
+                let b = around.error_side(gains.b.dense(), &gains.units)?;
+                let c = around.joint_side(gains.c.dense(), &gains.units);
+                // Units may have made them large.
+                check_measures("B", b.iter().copied())?;
+                check_measures("C", c.iter().copied())?;
                 Self::StateSpace {
                     a: Sparse::of(&gains.a.dense()),
-                    b: Sparse::of(&around.error_side(gains.b.dense(), &gains.units)?),
-                    c: Sparse::of(&around.joint_side(gains.c.dense(), &gains.units)),
+                    b: Sparse::of(&b),
+                    c: Sparse::of(&c),
                 }
             }
             Step::StaticGain(gain) => {
@@ -246,7 +252,10 @@ impl Around<'_> {
         let Some(gain) = gain else { return self.frozen() };
         gain.gain.check("K", self.chain.dof(), self.rows()?)?;
         let dense = self.error_side(gain.gain.dense(), &gain.units)?;
-        Ok(self.joint_side(dense, &gain.units))
+        let dense = self.joint_side(dense, &gain.units);
+        // Units may have made them large.
+        check_measures("K", dense.iter().copied())?;
+        Ok(dense)
     }
 
     /// Columns for an error in the gain's units and axes, made ones for the loop's rows.
@@ -294,25 +303,24 @@ impl Around<'_> {
     /// reaches nothing.
     fn frozen(&self) -> Result<DMatrix<f64>> {
         let rows = self.rows()?;
-        let judged = |q: Vec<f64>| {
+        let judged = |q: Vec<f64>| -> Result<_> {
             let jacobian = self.jacobian(&q, rows);
-            let values = jacobian.singular_values();
+            let values = decomposed(jacobian.clone(), false)?.singular_values;
             let floor = FROZEN_CUTOFF * values.max();
             let kept = values.iter().filter(|value| **value > floor);
             let least = kept.clone().fold(f64::INFINITY, |least, value| least.min(*value));
-            (kept.count(), least / values.max(), jacobian)
+            Ok((kept.count(), least / values.max(), jacobian))
         };
-        let in_middle = judged(middle(self.chain));
+        let in_middle = judged(middle(self.chain))?;
         let singular = in_middle.0 < rows.min(self.chain.dof());
         let others = about_middle(self.chain).take_while(|_| singular).map(judged);
-        let better = others.filter(|other| other.0 > in_middle.0);
+        let others: Vec<_> = others.collect::<Result<_>>()?;
+        let better = others.into_iter().filter(|other| other.0 > in_middle.0);
         let best = better.max_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let (_, _, jacobian) = best.unwrap_or(in_middle);
-        let svd = jacobian.svd(true, true);
+        let svd = decomposed(jacobian, true)?;
         let floor = FROZEN_CUTOFF * svd.singular_values.max();
-        let inverse = svd.pseudo_inverse(floor).map_err(|why| {
-            Error::argument("solver", "a chain with a Jacobian that can be inverted", why)
-        })?;
+        let inverse = svd.pseudo_inverse(floor).map_err(no_inverse)?;
         Ok(inverse * FROZEN_SHARE)
     }
 
@@ -338,6 +346,20 @@ impl Around<'_> {
         }
         jacobian
     }
+}
+
+fn no_inverse(why: impl ToString) -> Error {
+    Error::argument("solver", "a chain with a Jacobian that can be inverted", why)
+}
+
+/// The singular value decomposition of a Jacobian, if it ends.
+fn decomposed(jacobian: DMatrix<f64>, vectors: bool) -> Result<SVD<f64, Dyn, Dyn>> {
+    // On what is no number it may go on for ever, or panic.
+    if !jacobian.iter().all(|x| x.is_finite()) {
+        return Err(no_inverse("one beyond all numbers"));
+    }
+    SVD::try_new(jacobian, vectors, vectors, 5.0 * f64::EPSILON, SWEEPS)
+        .ok_or_else(|| no_inverse("one whose singular values do not settle"))
 }
 
 /// The gain that feedback laws without matrices start from, for positions: joint values (rad
@@ -370,9 +392,5 @@ fn about_middle(chain: &Chain) -> impl Iterator<Item = Vec<f64>> {
 
 /// The middle of the limits; zero for continuous joints.
 pub fn middle(chain: &Chain) -> Vec<f64> {
-    let value = |v: &crate::chain::Variable| {
-        let middle = 0.5 * (v.lower + v.upper);
-        if middle.is_finite() { middle } else { v.near_zero() }
-    };
-    chain.variables().iter().map(value).collect()
+    chain.variables().iter().map(crate::chain::Variable::middle).collect()
 }

@@ -2,6 +2,7 @@
 
 mod damped;
 mod gains;
+mod lengths;
 mod normal_equations;
 mod pace;
 mod pseudo_inverse;
@@ -10,16 +11,19 @@ mod transpose;
 
 use std::sync::Arc;
 
-use crate::Allowed;
+use smallvec::SmallVec;
+
 use crate::error::Result;
 use crate::lanes::Real;
+use crate::{Allowed, Field};
 
 pub(super) use gains::{Feedback, Sparse, middle};
 pub use gains::{GainUnits, Matrix, Pid, PidOrder, StateSpace, StaticGain, frozen_gain};
+pub use lengths::Lengths;
 pub use pace::Pace;
 
 /// Whole numbers of which there must be one.
-pub(super) const COUNT: Allowed = Allowed::whole(1, u32::MAX);
+const COUNT: Allowed = Allowed::whole(1, u32::MAX);
 
 /// How a step is computed.
 ///
@@ -94,7 +98,9 @@ pub struct Settings {
     pub max_iterations: u32,
     /// Attempts after the first before the target is given up.
     pub max_restarts: u32,
-    /// Longest change of one joint in one step, rad or m. Feedback laws take full steps.
+    /// Longest change of one joint in one step, rad; of a slide, in sizes of the robot or
+    /// distances from the goal, whichever is more (m for plain methods). Feedback laws take
+    /// full steps.
     pub max_step: f64,
     /// As textbooks have it: full use of `max_step`, then limits by saturation alone, no
     /// extra steps for slow convergence, and stalled attempts reported as such.
@@ -124,7 +130,7 @@ impl Settings {
     pub const LEVENBERG_MARQUARDT: Self = Self {
         step: Step::LevenbergMarquardt { damping: 0.1 },
         max_iterations: 10,
-        max_restarts: 100,
+        max_restarts: 250,
         max_step: 1.0,
         plain: false,
         start: StartRule::Sampled,
@@ -222,26 +228,51 @@ impl Settings {
         pace: Pace::Full,
     };
 
-    /// Refuses numbers outside their ranges.
-    pub fn check(&self) -> Result<()> {
-        match &self.step {
-            Step::PseudoInverse { cutoff } => Allowed::below(1.0).check("cutoff", *cutoff)?,
-            Step::FixedTranspose { alpha } => Allowed::POSITIVE.check("alpha", *alpha)?,
-            Step::Damped { damping } | Step::LevenbergMarquardt { damping } => {
-                Allowed::POSITIVE.check("damping", *damping)?;
+    /// The numbers that users choose; gains of feedback laws are read and checked for
+    /// themselves.
+    pub fn fields(&mut self) -> SmallVec<[Field<'_>; 4]> {
+        let mut fields = SmallVec::new();
+        let mut has_max_step = true;
+        match &mut self.step {
+            Step::PseudoInverse { cutoff } => {
+                fields.push(Field::real("cutoff", cutoff, Allowed::below(1.0)));
             }
-            Step::IkPid(pid) => pid.check()?,
-            Step::Broyden { patience, .. } => COUNT.check("patience", *patience)?,
-            // Matrices are checked against the chain when a plan is made.
-            Step::Transpose
-            | Step::ClosedPseudoInverse
-            | Step::CyclicCoordinateDescent
+            Step::FixedTranspose { alpha } => {
+                fields.push(Field::real("alpha", alpha, Allowed::POSITIVE));
+            }
+            Step::Damped { damping } => {
+                fields.push(Field::real("damping", damping, Allowed::POSITIVE.of("m")));
+            }
+            Step::LevenbergMarquardt { damping } => {
+                fields.push(Field::real("damping", damping, Allowed::POSITIVE));
+            }
+            Step::Transpose | Step::ClosedPseudoInverse => {}
+            Step::Broyden { patience, .. } => {
+                has_max_step = false;
+                fields.push(Field::count("patience", patience, COUNT));
+            }
+            Step::CyclicCoordinateDescent
+            | Step::IkPid(_)
             | Step::StateSpace(_)
-            | Step::StaticGain(_) => {}
+            | Step::StaticGain(_) => has_max_step = false,
+        }
+        fields.push(Field::count("max_iterations", &mut self.max_iterations, COUNT));
+        fields.push(Field::count("max_restarts", &mut self.max_restarts, Allowed::COUNT));
+        if has_max_step {
+            let allowed = Allowed::POSITIVE.of("rad or m");
+            fields.push(Field::real("max_step", &mut self.max_step, allowed));
+        }
+        fields
+    }
+
+    /// Refuses numbers that are not allowed. Matrices are checked against the chain when a
+    /// plan is made.
+    pub fn check(&self) -> Result<()> {
+        if let Step::IkPid(pid) = &self.step {
+            pid.check()?;
         }
         self.pace.check()?;
-        COUNT.check("max_iterations", self.max_iterations)?;
-        Allowed::POSITIVE.check("max_step", self.max_step)
+        self.clone().fields().iter().try_for_each(Field::check)
     }
 }
 
@@ -258,9 +289,10 @@ impl Settings {
         &self,
         columns: &[[R; M]],
         error: &[R; M],
+        lengths: &Lengths,
         change: &mut [R],
     ) {
-        self.step.compute(columns, error, change);
+        self.step.compute(columns, error, lengths, change);
         self.pace.apply(error, change);
     }
 }
@@ -293,6 +325,18 @@ impl Step {
         }
     }
 
+    /// A feedback law.
+    pub(super) fn is_feedback(&self) -> bool {
+        matches!(
+            self,
+            Self::CyclicCoordinateDescent
+                | Self::IkPid(_)
+                | Self::StateSpace(_)
+                | Self::StaticGain(_)
+                | Self::Broyden { .. }
+        )
+    }
+
     /// The change of the joint values. Columns of joints that are held are zero; so is
     /// their change. `columns` are those of the Jacobian, in the task's rows.
     #[inline(always)]
@@ -300,6 +344,7 @@ impl Step {
         &self,
         columns: &[[R; M]],
         error: &[R; M],
+        lengths: &Lengths,
         change: &mut [R],
     ) {
         match *self {
@@ -308,12 +353,12 @@ impl Step {
             Self::FixedTranspose { alpha } => transpose::fixed_step(columns, error, alpha, change),
             Self::PseudoInverse { cutoff } => pseudo_inverse::step(columns, error, cutoff, change),
             Self::Damped { damping } => {
-                damped::step(columns, error, R::splat(damping * damping), change);
+                let added = R::splat(damping * damping);
+                damped::step(columns, error, added, lengths.pivot(), change);
             }
             Self::LevenbergMarquardt { damping } => {
-                let squared = squared_norm(error);
-                let added = squared.mul_add(R::splat(0.5 * damping), R::splat(1e-12));
-                damped::step(columns, error, added, change);
+                let added = lengths.added(squared_norm(error), damping);
+                damped::step(columns, error, added, lengths.pivot(), change);
             }
             // Feedback laws have no use for a Jacobian and never come here.
             Self::CyclicCoordinateDescent

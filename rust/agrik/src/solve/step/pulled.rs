@@ -1,6 +1,6 @@
 //! A damped step with a second aim: to go towards a posture as far as the task leaves free.
 
-use super::{damped, squared_norm};
+use super::{Lengths, damped, squared_norm};
 use crate::lanes::Real;
 
 /// Share of half the squared error that damps the step, as in Levenberg-Marquardt.
@@ -15,16 +15,17 @@ pub(in crate::solve) fn step<R: Real, const M: usize>(
     columns: &[[R; M]],
     error: &[R; M],
     pull: &[R],
+    lengths: &Lengths,
     change: &mut [R],
 ) {
-    let added = squared_norm(error).mul_add(R::splat(0.5 * DAMPING), R::splat(1e-12));
+    let added = lengths.added(squared_norm(error), DAMPING);
     let mut rest = *error;
     for (column, p) in columns.iter().zip(pull) {
         for (row, c) in rest.iter_mut().zip(column) {
             *row = (-*c).mul_add(*p, *row);
         }
     }
-    damped::step(columns, &rest, added, change);
+    damped::step(columns, &rest, added, lengths.pivot(), change);
     for (dq, p) in change.iter_mut().zip(pull) {
         *dq += *p;
     }

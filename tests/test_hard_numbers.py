@@ -1,0 +1,167 @@
+"""Numbers without sense are refused or BAD_INPUT, at once, and never become an answer."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import agrik_fast as ik
+from agrik_fast import solvers, tasks
+from agrik_fast.arms import StrawberryArm, TomatoArm
+from agrik_fast.errors import ArgumentError
+from agrik_fast.solvers import DifferentialEvolution, GeneticAlgorithm
+
+UR5 = ik.Robot.load("ur5")
+PUMA = ik.Robot.load("puma560")
+# All continuous.
+FREE = ik.Robot.from_dh([[0, np.pi / 2, 0.3, 0], [0.4, 0, 0, 0], [0.3, 0, 0, 0]])
+HUGE = [1.1e50, 1e150, 1e160, 1e300, np.finfo(float).max]
+EVERY = [
+    "auto",
+    "closed_form",
+    "lm",
+    "dls",
+    "pinv",
+    "pinv-closed",
+    "transpose",
+    "ccd",
+    "ik-pid",
+    "state-space",
+    "static-gain",
+    "broyden",
+    DifferentialEvolution(generations=2, max_restarts=0),
+    GeneticAlgorithm(generations=2, max_restarts=0),
+]
+
+
+def name_of(solver) -> str:
+    return solver if isinstance(solver, str) else solver.name
+
+
+def at(x: float) -> np.ndarray:
+    pose = np.eye(4)
+    pose[0, 3] = x
+    return pose
+
+
+@pytest.mark.parametrize("solver", EVERY, ids=name_of)
+@pytest.mark.parametrize("x", HUGE)
+def test_a_huge_target_is_bad_input_and_leaves_the_others_alone(solver, x):
+    poses = PUMA.fk(PUMA.random_q(3, seed=1))
+    task = "position" if solver == "ccd" else "pose"
+    wanted = PUMA.ik(poses, task=task, solver=solver)
+    poses[1, 1, 3] = -x
+    result = PUMA.ik(poses, task=task, solver=solver)
+    assert result.status[1] == ik.Status.BAD_INPUT
+    assert not result.success[1] and np.isfinite(result.q).all()
+    assert np.array_equal(result.q[[0, 2]], wanted.q[[0, 2]])
+
+
+@pytest.mark.parametrize(
+    ("arm", "solver"),
+    # Only one of the two has a closed form.
+    [(PUMA, solver) for solver in EVERY]
+    + [(FREE, solver) for solver in EVERY if solver != "closed_form"],
+    ids=name_of,
+)
+def test_a_huge_start_is_bad_input(arm, solver):
+    poses = arm.fk(arm.random_q(len(HUGE), seed=2))
+    q0 = np.zeros((len(HUGE), arm.dof))
+    q0[:, 1] = HUGE
+    task = "position" if solver == "ccd" else "pose"
+    result = arm.ik(poses, task=task, solver=solver, q0=q0)
+    assert (result.status == ik.Status.BAD_INPUT).all()
+    assert np.isfinite(result.q).all()
+
+
+def test_branches_and_paths_and_histories_of_huge_numbers():
+    branches = PUMA.ik_all(np.stack([at(1e160), np.eye(4)]))
+    assert branches.status[0] == ik.Status.BAD_INPUT and not branches.valid[0].any()
+    path = PUMA.follow(np.stack([at(1e160)]), max_joint_step=0.1)
+    assert path.status[0] == ik.Status.BAD_INPUT
+    with pytest.raises(ArgumentError, match="1e50"):
+        PUMA.cost_history(at(1e160), solver=DifferentialEvolution())
+    one = PUMA.solver()
+    assert not one.solve(at(1e160)) and one.status == ik.Status.BAD_INPUT
+
+
+@pytest.mark.parametrize("x", HUGE)
+def test_huge_geometry_is_refused(x):
+    tool = at(x)
+    for call in (
+        lambda: UR5.with_tool(tool),
+        lambda: UR5.with_base(tool),
+        lambda: UR5.ik(np.eye(4), tool=tool),
+        lambda: ik.Robot.from_dh([[x, 0, 0, 0]]),
+        lambda: ik.Robot.from_dh([[0, 0, -x, 0]]),
+        lambda: ik.Robot.from_dh([[1, 0, 0, 0]], base=tool),
+    ):
+        with pytest.raises(ArgumentError, match="1e50"):
+            call()
+
+
+@pytest.mark.parametrize("solver", ["static-gain", "state-space", "broyden", "lm", "pinv"])
+@pytest.mark.parametrize("weight", HUGE)
+def test_a_huge_weight_is_refused(solver, weight):
+    with pytest.raises(ArgumentError, match="weights"):
+        UR5.ik(np.eye(4), task=tasks.Masked((1, 1, 1, 1, weight, 1)), solver=solver)
+
+
+@pytest.mark.parametrize("solver", ["static-gain", "state-space", "broyden", "lm", "pinv", "dls"])
+@pytest.mark.parametrize("weight", [1e-300, 1e-50, 1e30, 1e50])
+def test_any_weight_in_range_ends(solver, weight):
+    task = tasks.Masked((1, 1, 1, 1, weight, 1))
+    pose = UR5.fk(UR5.random_q(1, seed=3)[0])
+    chosen = dataclasses.replace(KNOWN[solver], max_restarts=2)
+    result = UR5.ik(pose, task=task, solver=chosen)
+    assert np.isfinite(result.q).all()
+    assert not result.success or np.isfinite(result.position_error)
+
+
+KNOWN = {
+    "lm": solvers.LevenbergMarquardt(),
+    "dls": solvers.DampedLeastSquares(),
+    "pinv": solvers.PseudoInverse(),
+    "static-gain": solvers.StaticGain(),
+    "state-space": solvers.StateSpace(),
+    "broyden": solvers.Broyden(),
+}
+
+
+@pytest.mark.parametrize("x", HUGE)
+def test_huge_gains_are_refused(x):
+    rows = np.zeros((6, 3))
+    rows[2, 1] = x
+    for make in (
+        lambda: solvers.StaticGain(K=rows),
+        lambda: solvers.Broyden(K=rows),
+        lambda: solvers.StateSpace(A=np.zeros((6, 6)), B=rows, C=np.eye(6)),
+        lambda: solvers.StaticGain(K=np.ones((6, 3)), angle_unit_rad=x),
+        lambda: solvers.StaticGain(K=np.ones((6, 3)), length_unit_m=1 / x),
+        lambda: solvers.IkPid(kp=x),
+    ):
+        with pytest.raises(ArgumentError, match=r"1e50|finite"):
+            PUMA.ik([0.3, 0.2, 0.4], solver=make())
+
+
+@pytest.mark.parametrize("dimensions", [31, 32, 33, 40, 64])
+def test_too_many_dimensions_are_refused(dimensions):
+    leading = (1,) * (dimensions - 1)
+    pairs = [
+        (lambda: PUMA.ik(np.full((*leading, 3), 0.3)), 0),
+        (lambda: PUMA.ik(np.tile(np.eye(4), (*leading[1:], 1, 1))), 0),
+        (lambda: PUMA.ik_all(np.tile(np.eye(4), (*leading[1:], 1, 1))), 0),
+        (lambda: PUMA.fk(np.zeros((*leading, 6))), 1),
+        (lambda: PUMA.fk_links(np.zeros((*leading, 6))), 2),
+        (lambda: PUMA.jacobian(np.zeros((*leading, 6))), 1),
+        (lambda: TomatoArm().branches(np.full((*leading, 3), 0.1)), 1),
+        (lambda: StrawberryArm().solve(np.full((*leading, 3), 0.1)), 0),
+    ]
+    for call, more in pairs:
+        if dimensions + more > 32:
+            with pytest.raises(ArgumentError, match="at most 32 dimensions"):
+                call()
+        else:
+            answer = call()
+            answer = getattr(answer, "q", answer)
+            assert answer.ndim >= dimensions - 1
