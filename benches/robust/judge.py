@@ -161,9 +161,9 @@ def answers(request: Any, result: Any, most: int | None = 3) -> list[Fault]:
         off = off > 1e-6 * position + 1e-3 * near + 16 * slip
         skewed = np.abs(result.orientation_error[seen] - orientation)
         skewed = skewed > 1e-6 * orientation + 1e-3 * near_turn + 16 * turn_slip
-    # Distances that overflow are told as infinite.
-    big = position > 1e150
-    report("error told wrong", rows((off | skewed) & ~big & (orientation < 3.1)), told)
+    # Of bad input, and of distances that overflow, infinity is told.
+    told_finite = (status[seen] != Status.BAD_INPUT) & (position < 1e150)
+    report("error told wrong", rows((off | skewed) & told_finite & (orientation < 3.1)), told)
     far, told_far = _far_turns(request, q, success, starts)
     report("turn further than need be", far, told_far)
     return faults
