@@ -19,9 +19,18 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
-from robust import arms, files, page, postures, requests
-from robust.arms import CONTINUOUS, PRISMATIC, REVOLUTE, Place
-from robust.chain import Arm
+from robust import files, page, postures
+from robust.building import (
+    CONTINUOUS,
+    PRISMATIC,
+    REVOLUTE,
+    Place,
+    changed,
+    from_places,
+    library_arm,
+    place_of,
+)
+from robust.chain import Arm, transform
 from robust.measure import Measured, measure
 
 import agrik_fast as ik
@@ -104,7 +113,7 @@ def _scale(options: argparse.Namespace) -> Iterator[Measured]:
         rng = np.random.default_rng(7)
         q = postures.draw(arm, "random", rows, rng)
         for kind, (change, unit) in kinds.items():
-            pair = _pair(arms.changed(arm, **change))
+            pair = _pair(changed(arm, **change))
             used = q * np.where(pair[0].turns, 1.0, unit) if "rail" not in change else None
             for task in TASKS:
                 for solver in SOLVERS:
@@ -124,9 +133,9 @@ def _gantries(options: argparse.Namespace) -> Iterator[Measured]:
             # The hand is a tenth of the travel, but no longer than half a metre.
             hand = min(0.1 * travel, 0.5)
             turns = [Place(REVOLUTE, axis=axis, lower=-2.0, upper=2.0) for axis in axes[:wrist]]
-            tool = arms.transform(None, (0.0, 0.0, hand if wrist else 0.0))
+            tool = transform(None, (0.0, 0.0, hand if wrist else 0.0))
             name = f"3 slides, {wrist} turning"
-            arm = arms.from_places([*slides, *turns], tool, np.eye(4), name, travel)
+            arm = from_places([*slides, *turns], tool, np.eye(4), name, travel)
             yield from _each(_pair(arm), "random", _share(options, 10), f"{travel:g} m")
 
 
@@ -136,7 +145,7 @@ def _free(options: argparse.Namespace) -> Iterator[Measured]:
         arm, _ = files.bundled(name)
         for limit in (np.inf, 2 * np.pi, 1e4, 999999.0, 1e16):
             kind = "continuous" if np.isinf(limit) else f"+-{limit:g} rad"
-            yield from _each(_pair(arms.changed(arm, free=limit)), "random", rows, kind)
+            yield from _each(_pair(changed(arm, free=limit)), "random", rows, kind)
     arm, _ = files.bundled("puma560")
     for far in (999999.0, 1e16):
         cart = [
@@ -144,8 +153,8 @@ def _free(options: argparse.Namespace) -> Iterator[Measured]:
             Place(PRISMATIC, axis=(0.0, 1.0, 0.0), lower=-far, upper=far),
             Place(CONTINUOUS),
         ]
-        upper = [arms.place_of(joint) for joint in arm.joints]
-        mobile = arms.from_places([*cart, *upper], arm.end, np.eye(4), "cart and puma560", 1.0)
+        upper = [place_of(joint) for joint in arm.joints]
+        mobile = from_places([*cart, *upper], arm.end, np.eye(4), "cart and puma560", 1.0)
         yield from _each(_pair(mobile), "random", rows, f"+-{far:g} m")
 
 
@@ -173,7 +182,7 @@ def _each(pair: Pair, kind: str, rows: int, label: str | None = None) -> Iterato
 
 
 def _pair(arm: Arm) -> Pair:
-    robot = requests.library_arm(arm)
+    robot = library_arm(arm)
     return arm.ordered(robot.joint_names), robot
 
 

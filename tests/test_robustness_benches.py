@@ -24,9 +24,33 @@ def robust() -> Iterator[SimpleNamespace]:
     """Return the modules of `benches/robust`."""
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(BENCHES))
-        from robust import arms, cases, chain, files, judge, measure, page, pool, postures, requests
+        from robust import (
+            arms,
+            building,
+            cases,
+            chain,
+            files,
+            judge,
+            measure,
+            page,
+            pool,
+            postures,
+            requests,
+        )
 
-        modules = (arms, cases, chain, files, judge, measure, page, pool, postures, requests)
+        modules = (
+            arms,
+            building,
+            cases,
+            chain,
+            files,
+            judge,
+            measure,
+            page,
+            pool,
+            postures,
+            requests,
+        )
         yield SimpleNamespace(**{_last(module): module for module in modules})
 
 
@@ -62,7 +86,7 @@ def test_angles_far_out_are_exact(robust: Any) -> None:
     # cos and sin of 1e16 rad by 40-digit arithmetic; the joint stands behind a turn of 1 rad.
     cosine, sine = -0.6261681981330862, 0.7796880066069787
     rows = np.array([[2.0, 0.0, 0.0, 1.0]])
-    arm = robust.arms.from_dh(
+    arm = robust.building.from_dh(
         rows, "standard", ["revolute"], [(-2e16, 2e16)], np.eye(4), np.eye(4), "one", 1.0
     )
     point = arm.fk([[1e16]])[0, :2, 3] / 2
@@ -97,7 +121,7 @@ def test_random_arms_are_of_every_kind_and_where_the_library_has_them(robust: An
         arm = robust.arms.draw(rng)
         seen.add(arm.kind)
         try:
-            robot = robust.requests.library_arm(arm)
+            robot = robust.building.library_arm(arm)
         except ik.AgrikError:
             continue
         arm = arm.ordered(robot.joint_names)
@@ -275,7 +299,7 @@ def test_a_snippet_runs(robust: Any, capsys: pytest.CaptureFixture[str]) -> None
     from robust.snippet import snippet
 
     request, _ = asked(robust, tool=np.eye(4))
-    arm = robust.arms.changed(request.arm)
+    arm = robust.building.changed(request.arm)
     code = snippet(arm, request, 2)
     exec(compile(code, "snippet", "exec"), {})
     assert "CONVERGED" in capsys.readouterr().out

@@ -16,7 +16,7 @@ import numpy as np
 import agrik_fast as ik
 from agrik_fast import Status
 
-from . import arms, judge, requests
+from . import arms, building, judge, postures, requests
 from .chain import Arm
 from .judge import Fault
 from .snippet import snippet
@@ -65,7 +65,7 @@ def run(seed: int, number: int, say: Say = lambda doing: None) -> Outcome:
     outcome.counts[f"arms: {arm.kind}"] += 1
     say(f"build {arm.kind}")
     try:
-        robot = requests.library_arm(arm)
+        robot = building.library_arm(arm)
     except ik.AgrikError as error:
         outcome.counts[f"refused arm: {type(error).__name__}"] += 1
         outcome.add("arm refused", str(error)[:300], number, arm.kind, snippet(arm))
@@ -96,7 +96,7 @@ def _same_arm(
     arm: Arm, robot: ik.Robot, rng: np.random.Generator, outcome: Outcome, number: int
 ) -> None:
     """Compare the library's kinematics with ours: a wrong judge would judge wrongly."""
-    low, high = requests.postures.bounds(arm)
+    low, high = postures.bounds(arm)
     q = low + (high - low) * rng.random((20, arm.dof))
     ours, theirs = arm.fk(q), robot.fk(q)
     slip, turn_slip = arm.rounding(q)

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-import agrik_fast as ik
 from agrik_fast import _native, solvers, tasks
 
 from . import postures
@@ -336,12 +335,3 @@ def _refusal(request: Request, family: str | None) -> str:
     if isinstance(solver, solvers.ClosedForm) and solver.arm_angle is not None:
         return "" if family == "S-R-S" else "only S-R-S arms have an arm angle"
     return ""
-
-
-def library_arm(arm: Arm) -> ik.Robot:
-    """Build the arm with the library, from the same text that a report shows."""
-    names: dict[str, Any] = {"ik": ik}
-    exec(compile(arm.code, "<arm>", "exec"), names)
-    robot = names["arm"]
-    assert isinstance(robot, ik.Robot)
-    return robot
