@@ -1,0 +1,42 @@
+//! Vectors, and turns from quaternions, for the tests.
+
+#![allow(dead_code)]
+
+use agrik_solids::Point;
+
+pub fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub fn cross(a: Point, b: Point) -> Point {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+pub fn add(a: Point, b: Point) -> Point {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+pub fn sub(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+pub fn scale(a: Point, s: f64) -> Point {
+    a.map(|x| x * s)
+}
+
+pub fn norm(a: Point) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// The rows of the rotation of a quaternion (w first), which need not be of unit length.
+pub fn rotation([w, x, y, z]: [f64; 4]) -> [[f64; 3]; 3] {
+    let length = (w * w + x * x + y * y + z * z).sqrt().max(1e-3);
+    let [w, x, y, z] = [w, x, y, z].map(|q| q / length);
+    // What the length was too short for is made up for by the real part.
+    let w = w.signum() * (1.0 - x * x - y * y - z * z).max(0.0).sqrt();
+    [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+}
