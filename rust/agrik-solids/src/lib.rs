@@ -11,11 +11,20 @@
 //! of this crate takes any other unit, and none depends on one: nothing but ratios of
 //! lengths is ever compared with a constant.
 
+pub mod broad_phase;
+pub mod cover;
 pub mod distance;
 pub mod pose;
+pub mod probe;
+pub mod scene;
 pub mod shapes;
+pub mod sphere_tree;
 
 pub use agrik_compute::{Error, Result, lanes};
+pub use broad_phase::BroadPhase;
+pub use cover::{Cover, Split};
 pub use distance::{Closest, closest, distance, overlaps, within};
 pub use pose::Pose;
+pub use scene::{Exemption, Nearest, Object, Scene};
 pub use shapes::{Cloud, Core, Cuboid, HalfSpace, Hull, Point, Segment, Solid};
+pub use sphere_tree::SphereTree;

@@ -9,6 +9,7 @@
 
 mod common;
 
+use agrik_solids::distance::cuboid_cuboid;
 use agrik_solids::{
     Closest, Core, Cuboid, HalfSpace, Hull, Point, Pose, Segment, Solid, closest, distance,
     overlaps, within,
@@ -243,6 +244,11 @@ proptest! {
         prove(&known_a, &known_b, &found)?;
         prop_assert_eq!(found.distance, distance(&a, &b));
         prop_assert_eq!(overlaps(&a, &b), found.distance <= 0.0);
+        if let (Core::Cuboid(a), Core::Cuboid(b)) = (a.core(), b.core()) {
+            let gap = cuboid_cuboid::gap_between_planes(a, b);
+            prop_assert!(gap <= found.distance + 1e-12);
+            prop_assert!(gap.abs() < 1e-12 || (gap < 0.0) == (found.distance == 0.0));
+        }
         // The other way round.
         let swapped = closest(&b, &a);
         prove(&known_b, &known_a, &swapped)?;

@@ -8,6 +8,9 @@ use agrik_compute::lanes::{cross, dot, sub};
 use super::{Closest, norm, segment_cuboid};
 use crate::shapes::{Cuboid, Segment};
 
+/// Distance, by the measure of sizes, that is nothing but rounding.
+const TOUCHING: f64 = 1e-14;
+
 /// Where two boxes come nearest; a point that they share where they meet.
 pub fn closest(a: &Cuboid, b: &Cuboid) -> Closest {
     let mut best =
@@ -17,6 +20,11 @@ pub fn closest(a: &Cuboid, b: &Cuboid) -> Closest {
         best = best.swapped();
         edges_to_box(b, a, &mut best);
         best = best.swapped();
+    }
+    // The edge that meets the other box may lie in a face of it, and rounding beside it.
+    let size = norm(a.half()) + norm(b.half()) + norm(sub(a.centre(), b.centre()));
+    if best.distance <= TOUCHING * size {
+        return Closest::between(best.on_a, best.on_a);
     }
     best
 }

@@ -91,19 +91,49 @@ pub fn overlaps(a: &Solid, b: &Solid) -> bool {
     within(a, b, 0.0)
 }
 
-/// True where [`distance`] is `reach` (m) or less. Quicker than the distance, where planes
-/// between two boxes tell.
+/// True where [`distance`] is `reach` (m) or less. Quicker than the distance, where spheres
+/// round the solids or planes between two boxes tell.
 pub fn within(a: &Solid, b: &Solid, reach: f64) -> bool {
-    if let (Core::Cuboid(first), Core::Cuboid(second)) = (a.core(), b.core()) {
-        let gap = cuboid_cuboid::gap_between_planes(first, second);
-        // Wider than any rounding of either.
-        let (p, q) = (first.centre(), second.centre());
-        let size = norm(sub(p, q)) + norm(first.half()) + norm(second.half());
-        if gap - a.radius() - b.radius() > reach + 1e-12 * size {
-            return false;
-        }
+    let radii = a.radius() + b.radius();
+    match Rough::of(a.core(), b.core(), reach + radii) {
+        Rough::Farther => false,
+        Rough::Meeting => -radii <= reach,
+        Rough::Near => distance(a, b) <= reach,
     }
-    distance(a, b) <= reach
+}
+
+/// What can be told of two cores without their distance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Rough {
+    /// They are farther apart than was asked.
+    Farther,
+    /// They have points in common, and their distance is 0.
+    Meeting,
+    /// They may be near enough.
+    Near,
+}
+
+impl Rough {
+    /// Of two cores and a distance, m.
+    pub(crate) fn of(a: &Core, b: &Core, reach: f64) -> Self {
+        let ((p, size), (q, other)) = (a.bounding_sphere(), b.bounding_sphere());
+        let apart = norm(sub(p, q));
+        // Wider than any rounding of either.
+        let slack = 1e-12 * (apart + size + other);
+        if apart - size - other > reach + slack {
+            return Self::Farther;
+        }
+        if let (Core::Cuboid(a), Core::Cuboid(b)) = (a, b) {
+            let gap = cuboid_cuboid::gap_between_planes(a, b);
+            if gap > reach + slack {
+                return Self::Farther;
+            }
+            if gap < -slack {
+                return Self::Meeting;
+            }
+        }
+        Self::Near
+    }
 }
 
 /// Where two cores come nearest.

@@ -18,7 +18,11 @@ pub fn beyond<N: Arithmetic>(local: &[N; 3], half: &[N; 3]) -> [N; 3] {
 
 /// Where a point and a box come nearest; the point itself where it is inside.
 pub fn closest(p: Point, cuboid: &Cuboid) -> Closest {
-    let local = cuboid.local(p);
+    closest_at(p, cuboid.local(p), cuboid)
+}
+
+/// The same, of a point whose coordinates in the frame of the box are known.
+pub(super) fn closest_at(p: Point, local: Point, cuboid: &Cuboid) -> Closest {
     let over = beyond(&local, &cuboid.half());
     if over == [0.0; 3] {
         return Closest::between(p, p);

@@ -5,7 +5,7 @@
 //! which the slope changes its sign is found by looking at all six of those places, and its
 //! zero by one division.
 
-use agrik_compute::lanes::{Arithmetic, sub};
+use agrik_compute::lanes::{Arithmetic, axpy, sub};
 
 use super::{Closest, point_cuboid};
 use crate::shapes::{Cuboid, Segment};
@@ -38,20 +38,27 @@ pub fn share<N: Arithmetic>(from: &[N; 3], way: &[N; 3], half: &[N; 3]) -> N {
     };
     look(zero, at_start);
     look(one, at_end);
+    let (mut enters, mut leaves) = (zero, one);
     for k in 0..3 {
-        for plane in [half[k], -half[k]] {
+        let (t, u) = ((half[k] - from[k]) / way[k], (-half[k] - from[k]) / way[k]);
+        enters = t.min(u).max(enters);
+        leaves = t.max(u).min(leaves);
+        for t in [t, u] {
             // Of a segment along the plane this is no number, and then 0.
-            let t = ((plane - from[k]) / way[k]).max(zero).min(one);
+            let t = t.max(zero).min(one);
             look(t, slope(t));
         }
     }
     let part = (-low_slope / (high_slope - low_slope)).max(zero).min(one);
-    (high - low).mul_add(part, low)
+    let outside = (high - low).mul_add(part, low);
+    // Within the box the slope is nothing but rounding: there the middle is as good as any.
+    N::select(enters.lt(leaves), (enters + leaves) * N::splat(0.5), outside)
 }
 
 /// Where a segment and a box come nearest; a point that they share where they meet.
 pub fn closest(segment: &Segment, cuboid: &Cuboid) -> Closest {
-    let (from, to) = (cuboid.local(segment.a), cuboid.local(segment.b));
-    let t = share(&from, &sub(to, from), &cuboid.half());
-    point_cuboid::closest(segment.at(t), cuboid)
+    let from = cuboid.local(segment.a);
+    let way = sub(cuboid.local(segment.b), from);
+    let t = share(&from, &way, &cuboid.half());
+    point_cuboid::closest_at(segment.at(t), axpy(way, t, from), cuboid)
 }

@@ -1,6 +1,8 @@
 //! Vectors, and turns from quaternions, for the tests.
 
-#![allow(dead_code)]
+#![allow(dead_code, reason = "each test uses a part")]
+
+pub mod arm;
 
 use agrik_solids::Point;
 
