@@ -12,6 +12,7 @@ use std::hint::black_box;
 
 use agrik_solids::lanes::Level;
 use agrik_solids::{Cloud, Core, Cover, Cuboid, Exemption, Object, Scene, Solid, Split, within};
+use common::Random;
 use common::arm::{Arm, objects, read};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
@@ -19,17 +20,6 @@ const POSTURES: usize = 1000;
 
 /// The cap of the paper's cost, m.
 const CAP: f64 = 0.075;
-
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ z >> 31) >> 11) as f64 / 9_007_199_254_740_992.0
-    }
-}
 
 /// Bodies at random postures within the limits.
 fn postures(name: &str, arm: &Arm) -> Vec<Vec<Solid>> {
@@ -41,11 +31,10 @@ fn postures(name: &str, arm: &Arm) -> Vec<Vec<Solid>> {
             joints.iter().map(|joint| (number(joint, "lo"), number(joint, "hi"))).collect()
         })
         .unwrap_or_default();
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     (0..POSTURES)
         .map(|_| {
-            let q: Vec<f64> =
-                joints.iter().map(|(lo, hi)| lo + (hi - lo) * random.unit()).collect();
+            let q: Vec<f64> = joints.iter().map(|(lo, hi)| random.between(*lo, *hi)).collect();
             arm.placed(&q)
         })
         .collect()
@@ -101,9 +90,9 @@ fn arms(criterion: &mut Criterion) {
 
 /// Points in the same volume, more and more of them.
 fn points(count: usize) -> Cloud {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let rows = (0..count).map(|_| {
-        let mut at = |lower: f64, upper: f64| lower + (upper - lower) * random.unit();
+        let mut at = |lower, upper| random.between(lower, upper);
         [at(0.4, 0.9), at(-0.7, 0.8), at(0.1, 1.9), 0.005]
     });
     Cloud::of(rows).unwrap_or_default()
@@ -143,7 +132,7 @@ fn covers(criterion: &mut Criterion) {
     let spheres: Vec<[f64; 4]> = objects
         .iter()
         .flat_map(|object| &object.clouds)
-        .flat_map(|cloud| cloud.spheres().iter().copied())
+        .flat_map(|cloud| cloud.spheres())
         .collect();
     let boxes = |bodies: &[Solid]| -> Vec<Cuboid> {
         let cuboid = |body: &Solid| match body.core() {

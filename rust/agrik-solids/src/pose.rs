@@ -5,6 +5,8 @@ use agrik_compute::lanes::dot;
 use crate::shapes::Point;
 
 /// A rotation followed by a shift: the coordinates of one frame in another.
+///
+/// All numbers are finite; it is for those who make poses to see to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     /// The rows of the rotation, orthonormal.

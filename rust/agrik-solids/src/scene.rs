@@ -141,7 +141,7 @@ impl Scene {
             clearance = clearance.max(object.clearance);
             solids.extend(object.solids.iter().map(|solid| (solid.clone(), label)));
             for cloud in &object.clouds {
-                spheres.extend(cloud.spheres().iter().map(|sphere| (*sphere, label)));
+                spheres.extend(cloud.spheres().map(|sphere| (sphere, label)));
             }
         }
         Ok(Self { objects, by_name, phase: BroadPhase::new(&spheres, solids), clearance })
@@ -191,8 +191,8 @@ impl Scene {
     }
 
     /// True where the solid comes nearer to an object than is to be kept: to `clear` (m) or
-    /// less, or to less than the clearance of the object itself where that is more. With 0
-    /// and no clearances: where it touches or overlaps.
+    /// less, or to the clearance of the object itself or less where that is more. With 0, as
+    /// with anything below, and no clearances: where it touches or overlaps.
     pub fn hits(&self, solid: &Solid, exempt: &Exemption, clear: f64) -> bool {
         self.hit(solid, exempt, clear).is_some()
     }
@@ -206,7 +206,7 @@ impl Scene {
     }
 
     /// Distance of the nearest object, and `cap` where that is less, m: infinity from an empty
-    /// scene without a cap. The less the cap, the quicker the answer.
+    /// scene without a cap. `cap` is not NaN; the less it is, the quicker the answer.
     pub fn distance(&self, solid: &Solid, exempt: &Exemption, cap: f64) -> f64 {
         self.phase.nearest(solid, &exempt.0, cap).map_or(cap, |found| found.distance)
     }

@@ -4,6 +4,7 @@
 //! between two points that lie in them, so rounding makes them too long rather than too
 //! short; only a half-space, whose depth has a meaning, gives negative ones.
 
+pub mod cloud_any;
 pub mod cuboid_cuboid;
 pub mod half_space_any;
 pub mod hull_any;

@@ -7,7 +7,8 @@ use super::{LARGEST, Point, check};
 /// Many spheres.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Cloud {
-    spheres: Vec<[f64; 4]>,
+    /// x, y, z and radius, m, each of all spheres in a row: so they come into lanes.
+    columns: [Vec<f64>; 4],
 }
 
 impl Cloud {
@@ -40,19 +41,48 @@ impl Cloud {
     ///
     /// As [`Cloud::new`].
     pub fn of(rows: impl IntoIterator<Item = [f64; 4]>) -> Result<Self> {
-        let spheres: Vec<[f64; 4]> = rows.into_iter().collect();
-        for (i, [x, y, z, r]) in spheres.iter().enumerate() {
-            check::point(&format!("points[{i}]"), [*x, *y, *z])?;
+        let rows = rows.into_iter();
+        let mut columns = [const { Vec::new() }; 4];
+        for column in &mut columns {
+            column.reserve(rows.size_hint().0);
+        }
+        for (i, row) in rows.enumerate() {
+            let [x, y, z, r] = row;
+            check::point(|| format!("points[{i}]"), [x, y, z])?;
             let allowed = Allowed::between(0.0, LARGEST);
-            if !allowed.contains(*r) {
+            if !allowed.contains(r) {
                 return Err(Error::argument(format!("radii[{i}]"), allowed.to_string(), r));
             }
+            for (column, value) in columns.iter_mut().zip(row) {
+                column.push(value);
+            }
         }
-        Ok(Self { spheres })
+        Ok(Self { columns })
+    }
+
+    /// How many spheres there are.
+    pub fn len(&self) -> usize {
+        self.columns[0].len()
+    }
+
+    /// True where there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// One of the spheres: x, y, z and radius, m.
+    pub fn sphere(&self, index: usize) -> [f64; 4] {
+        let [x, y, z, r] = &self.columns;
+        [x[index], y[index], z[index], r[index]]
     }
 
     /// The spheres as rows of x, y, z and radius, m.
-    pub fn spheres(&self) -> &[[f64; 4]] {
-        &self.spheres
+    pub fn spheres(&self) -> impl Iterator<Item = [f64; 4]> {
+        (0..self.len()).map(|index| self.sphere(index))
+    }
+
+    /// x, y, z and radius, m, each of all spheres in a row.
+    pub fn columns(&self) -> &[Vec<f64>; 4] {
+        &self.columns
     }
 }

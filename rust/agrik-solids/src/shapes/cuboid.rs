@@ -44,7 +44,7 @@ impl Cuboid {
     /// A coordinate is not finite or beyond [`LARGEST`], a half length is negative as well,
     /// or `rotation` is not orthonormal to 1e-6 with a determinant of 1.
     pub fn new(centre: Point, half: Point, rotation: [[f64; 3]; 3]) -> Result<Self> {
-        check::point("centre", centre)?;
+        check::point(|| "centre", centre)?;
         for length in half {
             Allowed::between(0.0, LARGEST).check("half", length)?;
         }

@@ -22,7 +22,7 @@ impl HalfSpace {
     ///
     /// A number is not finite or beyond [`LARGEST`], or the normal has no direction.
     pub fn new(normal: Point, offset: f64) -> Result<Self> {
-        check::point("normal", normal)?;
+        check::point(|| "normal", normal)?;
         let length = norm(normal);
         if length < 1e-9 {
             let received = format!("{normal:?}");

@@ -40,7 +40,7 @@ impl Hull {
         };
         let (mut lower, mut upper) = (*first, *first);
         for (i, p) in points.iter().enumerate() {
-            check::point(&format!("points[{i}]"), *p)?;
+            check::point(|| format!("points[{i}]"), *p)?;
             for k in 0..3 {
                 lower[k] = lower[k].min(p[k]);
                 upper[k] = upper[k].max(p[k]);

@@ -112,7 +112,7 @@ impl Solid {
     ///
     /// As [`Solid::new`]; a coordinate is not finite or beyond [`LARGEST`].
     pub fn sphere(centre: Point, radius: f64) -> Result<Self> {
-        check::point("centre", centre)?;
+        check::point(|| "centre", centre)?;
         Self::new(Core::Point(centre), radius)
     }
 

@@ -23,8 +23,8 @@ impl Segment {
     ///
     /// A coordinate is not finite or beyond [`super::LARGEST`].
     pub fn new(a: Point, b: Point) -> Result<Self> {
-        check::point("a", a)?;
-        check::point("b", b)?;
+        check::point(|| "a", a)?;
+        check::point(|| "b", b)?;
         Ok(Self { a, b })
     }
 

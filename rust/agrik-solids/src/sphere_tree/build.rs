@@ -4,9 +4,9 @@ use super::{FAN, Group, LEVELS};
 use crate::distance::norm;
 use crate::shapes::Point;
 
-/// Most nodes of the topmost level: two groups looked at in a row cost less than a level
+/// Most nodes of the topmost level: a few groups looked at in a row cost less than a level
 /// more.
-const TOP: usize = 16;
+const TOP: usize = 32;
 
 /// Steps from the middle of a box round some spheres to the middle of a sphere round them.
 const STEPS: i32 = 6;

@@ -42,3 +42,27 @@ pub fn rotation([w, x, y, z]: [f64; 4]) -> [[f64; 3]; 3] {
         [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
     ]
 }
+
+/// Numbers that are the same each time: SplitMix64.
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    fn word(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ z >> 31
+    }
+
+    pub fn between(&mut self, lower: f64, upper: f64) -> f64 {
+        lower + (upper - lower) * ((self.word() >> 11) as f64 / 9_007_199_254_740_992.0)
+    }
+
+    pub fn below(&mut self, count: usize) -> usize {
+        (self.word() % count as u64) as usize
+    }
+}
