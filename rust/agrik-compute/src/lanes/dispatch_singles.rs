@@ -42,12 +42,13 @@ pub fn dispatch_eights<K: Kernel32>(level: Level, kernel: K) -> K::Output {
     }
 }
 
-/// The functions that a kernel is compiled into, one for each set of instructions.
+/// The functions that a kernel is compiled into, one for each set of instructions that is not
+/// the baseline.
+#[cfg(target_arch = "x86_64")]
 trait Entries: Kernel32 + Sized {
     /// # Safety
     ///
     /// The processor has the features named here.
-    #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma")]
     unsafe fn with_avx2(self) -> Self::Output {
         self.run::<super::x86_singles::F32x8>()
@@ -56,11 +57,11 @@ trait Entries: Kernel32 + Sized {
     /// # Safety
     ///
     /// As above.
-    #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
     unsafe fn with_avx512(self) -> Self::Output {
         self.run::<super::x86_singles::F32x16>()
     }
 }
 
+#[cfg(target_arch = "x86_64")]
 impl<K: Kernel32> Entries for K {}

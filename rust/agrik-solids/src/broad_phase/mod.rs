@@ -3,58 +3,24 @@
 //! A sphere is a leaf of the tree as it is. A capsule, a box, a hull is covered by spheres
 //! that lead to it, and looked at exactly where one of them is within reach.
 
-use agrik_compute::lanes::{Kernel32, Level, Real32, dispatch_eights, sub};
+mod covering;
+mod exempt;
 
-use crate::cover::{Cover, Split};
-use crate::distance::{Rough, distance, norm, point_to_core};
+pub use exempt::Exempt;
+
+use agrik_compute::lanes::{Kernel32, Level, Real32, dispatch_eights};
+
+use crate::distance::{Rough, distance, point_to_core};
 use crate::probe::{CuboidProbe, PointProbe, Probe, SegmentProbe};
-use crate::shapes::{Core, Cuboid, Solid};
+use crate::shapes::{Core, Solid};
 use crate::sphere_tree::{ALL_LABELS, Leaves, SphereTree};
+use covering::covering;
 
 /// A leaf that is a sphere, and needs no other solid.
 const SPHERE: u32 = u32::MAX;
 
-/// Most spheres that a capsule is covered by.
-const ALONG: f64 = 24.0;
-
-/// Level of the cover that leads to a box: 64 spheres.
-const CELLS: usize = 2;
-
-/// Covering spheres are larger by what rounding may have taken from them.
-const ROUNDED: f64 = 1.0 + 1e-12;
-
 /// Solids looked at last: the spheres of a cover lead to the same one.
 const SEEN: usize = 8;
-
-/// Which labels a query leaves out.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Exempt {
-    /// One bit a label; labels beyond the end are not exempt.
-    words: Vec<u64>,
-    /// Bits `label % 64` of those that none but exempt labels have.
-    closed: u64,
-}
-
-impl Exempt {
-    /// Leaves out some of `count` labels.
-    pub fn new(labels: impl IntoIterator<Item = u32>, count: u32) -> Self {
-        let mut words = vec![0; count.div_ceil(64) as usize];
-        for label in labels {
-            if let Some(word) = words.get_mut(label as usize / 64) {
-                *word |= 1 << (label % 64);
-            }
-        }
-        let taken = |label: &u32| words[*label as usize / 64] >> (label % 64) & 1 == 0;
-        let open = (0..count).filter(taken).fold(0, |bits, label| bits | 1 << (label % 64));
-        let closed = if words.iter().all(|word| *word == 0) { 0 } else { !open };
-        Self { words, closed }
-    }
-
-    /// True for a label that is left out.
-    pub fn contains(&self, label: u32) -> bool {
-        self.words.get(label as usize / 64).is_some_and(|word| word >> (label % 64) & 1 != 0)
-    }
-}
 
 /// The nearest of many solids.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -376,36 +342,4 @@ impl<F: FnMut(Found)> Leaves for Each<'_, F> {
         }
         self.cap
     }
-}
-
-/// Spheres (x, y, z, radius, m) that cover a solid with bounds between them.
-fn covering(solid: &Solid) -> Vec<[f64; 4]> {
-    let more = solid.radius();
-    match solid.core() {
-        Core::Segment(segment) => {
-            let length = norm(sub(segment.b, segment.a));
-            let pieces = (length / (2.0 * more)).min(ALONG).ceil().max(1.0);
-            let radius = length / (2.0 * pieces) + more;
-            (0..pieces as u32)
-                .map(|piece| {
-                    let [x, y, z] = segment.at((f64::from(piece) + 0.5) / pieces);
-                    [x, y, z, radius * ROUNDED]
-                })
-                .collect()
-        }
-        Core::Cuboid(cuboid) => cells(cuboid, more),
-        Core::Hull(hull) => cells(&hull.bounding_box(), more),
-        Core::Point(_) | Core::HalfSpace(_) => {
-            let ([x, y, z], radius) = solid.bounding_sphere();
-            vec![[x, y, z, radius]]
-        }
-    }
-}
-
-/// The spheres round the cells of a box.
-fn cells(cuboid: &Cuboid, more: f64) -> Vec<[f64; 4]> {
-    let cover = Cover::new(cuboid, Split::NearCubic);
-    let radius = (cover.radius(CELLS) + more) * ROUNDED;
-    let centres = cover.centres(CELLS).iter().map(|centre| cuboid.point(*centre));
-    centres.map(|[x, y, z]| [x, y, z, radius]).collect()
 }
