@@ -5,9 +5,14 @@
 //! type it solves one target per lane. Operations never mix lanes, so a lane's result
 //! does not depend on its neighbours.
 
+mod arithmetic;
 mod dispatch;
+mod dispatch_singles;
 #[cfg(target_arch = "aarch64")]
 mod neon;
+#[cfg(target_arch = "aarch64")]
+mod neon_singles;
+mod plain_singles;
 mod scalar;
 mod trig;
 mod vector;
@@ -15,9 +20,13 @@ mod words;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 #[cfg(target_arch = "x86_64")]
+mod x86_singles;
+#[cfg(target_arch = "x86_64")]
 mod x86_words;
 
+pub use arithmetic::{Arithmetic, Real32};
 pub use dispatch::{Kernel, Level, VARIABLE, dispatch, dispatch_single};
+pub use dispatch_singles::{Kernel32, dispatch_eights, dispatch_singles};
 pub use trig::{
     CHORD2, angle_over_sine, atan2, atan2_each, atan2_rough, sin_cos_by_quadrant, squared_angles,
     turns_each,

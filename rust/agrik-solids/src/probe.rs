@@ -1,0 +1,116 @@
+//! A core readied for the question how far it is from many points, in lanes of either
+//! precision.
+//!
+//! The points stand in the frame of the core's own coordinates, counted from an origin that
+//! the caller chooses: near the points, so that singles have digits enough.
+
+use agrik_compute::lanes::{Arithmetic, dot, sub};
+
+use crate::distance::{point_cuboid, point_segment};
+use crate::shapes::{Cuboid, Point, Segment};
+
+/// How far points are, one in each lane.
+pub trait Probe<N: Arithmetic>: Copy {
+    /// Square of the distance of points from the core, m^2.
+    fn square(&self, p: &[N; 3]) -> N;
+}
+
+#[inline(always)]
+fn splat<N: Arithmetic>(v: Point) -> [N; 3] {
+    [N::splat(v[0]), N::splat(v[1]), N::splat(v[2])]
+}
+
+#[inline(always)]
+fn length_square<N: Arithmetic>(v: [N; 3]) -> N {
+    v[0].mul_add(v[0], v[1].mul_add(v[1], v[2] * v[2]))
+}
+
+/// One point.
+#[derive(Debug, Clone, Copy)]
+pub struct PointProbe<N> {
+    point: [N; 3],
+}
+
+impl<N: Arithmetic> PointProbe<N> {
+    /// Of a point and the origin, both m.
+    #[inline(always)]
+    pub fn new(point: Point, origin: Point) -> Self {
+        Self { point: splat(sub(point, origin)) }
+    }
+}
+
+impl<N: Arithmetic> Probe<N> for PointProbe<N> {
+    #[inline(always)]
+    fn square(&self, p: &[N; 3]) -> N {
+        let [x, y, z] = self.point;
+        length_square([p[0] - x, p[1] - y, p[2] - z])
+    }
+}
+
+/// A segment.
+#[derive(Debug, Clone, Copy)]
+pub struct SegmentProbe<N> {
+    from: [N; 3],
+    way: [N; 3],
+    inverse: N,
+}
+
+impl<N: Arithmetic> SegmentProbe<N> {
+    /// Of a segment and the origin, m.
+    #[inline(always)]
+    pub fn new(segment: &Segment, origin: Point) -> Self {
+        let way = sub(segment.b, segment.a);
+        // A segment that is short by the measure of singles is one point by the same.
+        let inverse = point_segment::inverse_square(way);
+        let inverse = if inverse < 1e30 { inverse } else { 0.0 };
+        Self { from: splat(sub(segment.a, origin)), way: splat(way), inverse: N::splat(inverse) }
+    }
+}
+
+impl<N: Arithmetic> Probe<N> for SegmentProbe<N> {
+    #[inline(always)]
+    fn square(&self, p: &[N; 3]) -> N {
+        let from = [p[0] - self.from[0], p[1] - self.from[1], p[2] - self.from[2]];
+        let t = -point_segment::share(&from, &self.way, self.inverse);
+        length_square([
+            t.mul_add(self.way[0], from[0]),
+            t.mul_add(self.way[1], from[1]),
+            t.mul_add(self.way[2], from[2]),
+        ])
+    }
+}
+
+/// A box.
+#[derive(Debug, Clone, Copy)]
+pub struct CuboidProbe<N> {
+    axes: [[N; 3]; 3],
+    shift: [N; 3],
+    half: [N; 3],
+}
+
+impl<N: Arithmetic> CuboidProbe<N> {
+    /// Of a box and the origin, m.
+    #[inline(always)]
+    pub fn new(cuboid: &Cuboid, origin: Point) -> Self {
+        let [x, y, z] = cuboid.axes();
+        let from = sub(origin, cuboid.centre());
+        Self {
+            axes: [splat(x), splat(y), splat(z)],
+            shift: splat([dot(x, from), dot(y, from), dot(z, from)]),
+            half: splat(cuboid.half()),
+        }
+    }
+}
+
+impl<N: Arithmetic> Probe<N> for CuboidProbe<N> {
+    #[inline(always)]
+    fn square(&self, p: &[N; 3]) -> N {
+        let mut local = self.shift;
+        for k in 0..3 {
+            let axis = &self.axes[k];
+            local[k] =
+                axis[0].mul_add(p[0], axis[1].mul_add(p[1], axis[2].mul_add(p[2], local[k])));
+        }
+        length_square(point_cuboid::beyond(&local, &self.half))
+    }
+}
