@@ -1,7 +1,7 @@
 """How many targets are solved, and how often an answer claims what is not so: docs/robustness.md.
 
     python benches/robustness.py --packages .venv-robots
-    python benches/robustness.py --packages .venv-robots --rows 2000 -o /tmp/page.md
+    python benches/robustness.py --packages .venv-robots --rows 2000 -o page.md
 
 Robots, tasks and kinds of targets, each judged by kinematics of its own (`robust/`). The URDFs are
 those of the packages `example-robot-data` and `rtb-data`. Exit status 1 if anything false was

@@ -177,7 +177,8 @@ def _far_turns(
     The middle is that of the limits; zero, or what is nearest to it, where one of them is missing.
     """
     arm = request.arm
-    if starts is None:
+    # Closed forms that choose by the limits take the turn nearest to their middle.
+    if starts is None or getattr(request.solver, "choose", "nearest") != "nearest":
         with np.errstate(invalid="ignore"):
             middle = (arm.lower + arm.upper) / 2
         middle = np.clip(np.where(np.isfinite(middle), middle, 0.0), arm.lower, arm.upper)
