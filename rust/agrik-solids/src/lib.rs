@@ -2,7 +2,7 @@
 //!
 //! A [`Solid`] is a convex core (point, segment, cuboid, hull, half-space) with a radius
 //! round it. [`closest`] gives the distance of two of them and the points where they come
-//! nearest, one file a pair of kinds in [`distance`]. A [`Scene`] holds named objects made of
+//! nearest, one file a pair of kinds in [`mod@distance`]. A [`Scene`] holds named objects made of
 //! many solids, and answers for one more solid, placed anywhere, whether it is free and how
 //! far away the nearest object is; below it lies a [`SphereTree`], which weighs up eight
 //! spheres at a time with singles and leaves to doubles what is near.

@@ -73,14 +73,12 @@ impl BroadPhase {
             }
             kept.push((solid, label));
         }
-        let rows: Vec<[f64; 4]> = leaves.iter().map(|leaf| leaf.0).collect();
-        let labels: Vec<u32> = leaves.iter().map(|leaf| leaf.1).collect();
-        let tree = SphereTree::new(&rows, &labels);
-        let order = || tree.order().iter().map(|given| *given as usize);
+        let tree = SphereTree::new(leaves.iter().map(|(sphere, label, _)| (*sphere, *label)));
+        let ordered: Vec<_> = tree.order().iter().map(|given| leaves[*given as usize]).collect();
         Self {
-            spheres: order().map(|given| rows[given]).collect(),
-            labels: order().map(|given| labels[given]).collect(),
-            leads_to: order().map(|given| leaves[given].2).collect(),
+            spheres: ordered.iter().map(|leaf| leaf.0).collect(),
+            labels: ordered.iter().map(|leaf| leaf.1).collect(),
+            leads_to: ordered.iter().map(|leaf| leaf.2).collect(),
             tree,
             solids: kept,
             unbounded,

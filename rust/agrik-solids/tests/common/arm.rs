@@ -138,14 +138,17 @@ impl Arm {
         self.bodies.iter().map(|body| body.solid.placed(&frames[body.frame])).collect()
     }
 
-    /// What each body does not mind.
+    /// What each body does not mind: the foot of the arm nothing at all.
     pub fn exemptions(&self, scene: &Scene) -> Vec<Exemption> {
-        let names = |body: &Body| -> Vec<&str> {
-            let skipped = self.skip.iter().filter(|(name, _)| *name == body.name);
-            let skipped = skipped.map(|(_, object)| object.as_str());
-            skipped.filter(|object| scene.object(object).is_ok()).collect()
+        let ignores = |body: &Body, object: &str| {
+            let skipped = |(name, what): &(String, String)| *name == body.name && what == object;
+            body.frame == 0 || self.skip.iter().any(skipped)
         };
-        self.bodies.iter().map(|body| scene.exempt(names(body)).unwrap()).collect()
+        let of = |body: &Body| {
+            let names = scene.objects().iter().map(|object| object.name.as_str());
+            scene.exempt(names.filter(|name| ignores(body, name))).unwrap()
+        };
+        self.bodies.iter().map(of).collect()
     }
 }
 
