@@ -14,7 +14,7 @@ from cli_runner import run_command
 
 
 def test_statuses_are_the_cores() -> None:
-    assert {status.name: status.value for status in ik.Status} == _native.statuses()
+    assert {status.name.lower(): status.value for status in ik.Status} == _native.statuses()
     # Files hold names by the place of their codes.
     assert [status.value for status in ik.Status] == list(range(len(ik.Status)))
 

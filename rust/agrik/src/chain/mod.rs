@@ -31,6 +31,9 @@ pub struct Variable {
     pub lower: f64,
     /// Largest value, rad or m.
     pub upper: f64,
+    /// A whole turn of it leads to the same posture: all that it moves turns, by whole
+    /// multiples of it.
+    pub periodic: bool,
 }
 
 impl Variable {
@@ -234,6 +237,7 @@ fn variables_of(joints: &[Joint]) -> Result<Vec<Variable>> {
                 kind: joint.kind,
                 lower: joint.lower,
                 upper: joint.upper,
+                periodic: true,
             },
             Some(mimic) => mimic_source(joint, mimic, joints)?,
         };
@@ -263,6 +267,14 @@ fn variables_of(joints: &[Joint]) -> Result<Vec<Variable>> {
             }
         }
     }
+    for joint in joints.iter().filter(|j| j.kind != JointKind::Fixed) {
+        let (source, multiplier) =
+            joint.mimic.as_ref().map_or((&joint.name, 1.0), |m| (&m.source, m.multiplier));
+        let turns = joint.kind != JointKind::Prismatic && multiplier.fract() == 0.0;
+        for v in variables.iter_mut().filter(|v| v.name == *source) {
+            v.periodic &= turns;
+        }
+    }
     for v in variables.iter_mut().filter(|v| v.kind == JointKind::Revolute) {
         if v.lower <= -UNLIMITED && v.upper >= UNLIMITED {
             (v.kind, v.lower, v.upper) = (JointKind::Continuous, f64::NEG_INFINITY, f64::INFINITY);
@@ -286,13 +298,14 @@ fn mimic_source(joint: &Joint, mimic: &Mimic, joints: &[Joint]) -> Result<Variab
             kind: source.kind,
             lower: source.lower,
             upper: source.upper,
+            periodic: true,
         }),
         None => {
             let (lower, upper) = mimic
                 .source_limits
                 .ok_or_else(|| Error::argument(place, "a known joint", &mimic.source))?;
             let kind = if lower.is_finite() { joint.kind } else { JointKind::Continuous };
-            Ok(Variable { name: mimic.source.clone(), kind, lower, upper })
+            Ok(Variable { name: mimic.source.clone(), kind, lower, upper, periodic: true })
         }
     }
 }

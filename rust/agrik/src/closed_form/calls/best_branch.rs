@@ -269,10 +269,12 @@ fn nearest<'q>(
     let (axes, point) = job.pose(q);
     let way = crate::lanes::sub(point, goal.position);
     let turn = rotation_between(axes, goal.axes);
-    let outcome = Outcome {
-        position_error: crate::lanes::dot(way, way).sqrt(),
-        orientation_error: crate::lanes::dot(turn, turn).sqrt(),
-        ..Outcome::unanswered(status)
-    };
+    let position_error = crate::lanes::dot(way, way).sqrt();
+    let orientation_error = crate::lanes::dot(turn, turn).sqrt();
+    // With wide tolerances a posture held at its limits may be near enough.
+    let tolerance = job.exact.tolerance;
+    let near = position_error <= tolerance.position && orientation_error <= tolerance.orientation;
+    let status = if near { Status::Converged } else { status };
+    let outcome = Outcome { position_error, orientation_error, ..Outcome::unanswered(status) };
     rows.finish(i, outcome).copy_from_slice(q);
 }

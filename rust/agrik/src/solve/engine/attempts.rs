@@ -8,7 +8,7 @@ use super::nearest::{End, Search};
 use super::runs::{Place, Runs};
 use crate::call::{AnswersMut, Outcome, Status};
 use crate::chain::Variable;
-use crate::kinematics::PerJoint;
+use crate::kinematics::{PerJoint, Workspace, forward};
 use crate::lanes::Real;
 use crate::solve::step::squared_norm;
 use crate::task::{Goal, Rows, TaskError};
@@ -125,11 +125,16 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         let job = &mut self.jobs[lane];
         let best = job.best.unwrap_or_else(|| {
             job.best_q.iter_mut().zip(self.variables).for_each(|(x, v)| *x = v.near_zero());
+            let request = &self.plan.request;
+            let mut at = Workspace::new(request.chain().compiled());
+            forward(request.chain().compiled(), &job.best_q, &mut at);
+            let left = request.goal(job.row).map(|goal| request.errors(&at, &goal));
+            let (position2, orientation2) = left.unwrap_or((f64::INFINITY, f64::INFINITY));
             Best {
                 squared: f64::INFINITY,
                 status,
-                position_error: f64::INFINITY,
-                orientation_error: f64::INFINITY,
+                position_error: position2.sqrt(),
+                orientation_error: orientation2.sqrt(),
             }
         });
         let proven = job.unreachable && best.status != Status::Converged;
@@ -201,7 +206,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             for (((to, x), v), reference) in
                 job.best_q.iter_mut().zip(q).zip(&self.limits).zip(&self.reference)
             {
-                *to = if v.winds { v.wound(x, reference.lane(lane)) } else { x };
+                *to = if v.turns || v.winds { v.wound(x, reference.lane(lane)) } else { x };
             }
         }
     }
@@ -264,7 +269,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         }
         if self.has_continuous || self.winds {
             for (i, (reference, v)) in self.reference.iter_mut().zip(&self.limits).enumerate() {
-                let about = given.map_or(v.middle, |start| start[i]);
+                let about = given.map_or(v.middle, |start| v.reference(start[i]));
                 reference.set_lane(lane, about);
                 if v.turns && !v.winds {
                     let x = self.q[i].lane(lane);

@@ -1,7 +1,7 @@
 //! A joint's limits as the loop sees them.
 
 use crate::call::Starts;
-use crate::chain::{JointKind, Variable};
+use crate::chain::{JointKind, UNLIMITED, Variable};
 use crate::kinematics::PerJoint;
 use crate::solve::plan::Plan;
 
@@ -26,7 +26,7 @@ impl Limit {
     fn of(v: &Variable) -> Self {
         // Half a step of rounding: limits of plus and minus half a turn are a full one.
         let full = v.upper - v.lower >= std::f64::consts::TAU - 1e-15;
-        let turns = v.kind != JointKind::Prismatic && full;
+        let turns = v.periodic && full;
         let slides = v.kind == JointKind::Prismatic;
         let winds = turns && v.kind != JointKind::Continuous;
         Self { lower: v.lower, upper: v.upper, turns, winds, slides, middle: v.middle() }
@@ -34,6 +34,19 @@ impl Limit {
 }
 
 impl Limit {
+    /// The value that answers stay near, for the caller's `about`: inside the limits, and where
+    /// sines know an angle well.
+    #[inline(always)]
+    pub fn reference(&self, about: f64) -> f64 {
+        use std::f64::consts::TAU;
+        let about = about.max(self.lower).min(self.upper);
+        if self.turns && about.abs() > UNLIMITED {
+            about - (about / TAU).round() * TAU
+        } else {
+            about
+        }
+    }
+
     /// The angle of the same posture that is nearest to `about` inside the limits.
     #[inline(always)]
     pub fn wound(&self, x: f64, about: f64) -> f64 {
