@@ -5,6 +5,7 @@ PYTHON ?= python3
 VENV := .venv
 PY := $(VENV)/bin/python
 ORACLE := .venv-oracle
+ROBOTS := .venv-robots
 WHEELS := target/wheels
 NATIVE := python/agrik_fast/_native.abi3.so
 
@@ -19,11 +20,11 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run test lint format bench callgrind aarch64 sanitize miri wheel docs clean build oracle \
-	rust-lint rust-test python-lint python-test
+	damaged fuzz-arms fuzz-sample robustness rust-lint rust-test python-lint python-test
 
 help: ## say what every target does
 	@echo 'agrik_fast: `make run` and `make test` need only Rust, Python >= 3.11 and PyPI.'
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
 
 run: build ## solve the example targets of every robot, write and check the results
 	$(PY) examples/run_all.py
@@ -38,7 +39,7 @@ format: $(VENV)/.dev ## let rustfmt and ruff write the files the way `make lint`
 	$(PY) -m ruff format .
 
 bench: build $(VENV)/.dev ## criterion benches of the core, then this library beside its peers
-	cargo bench $(LOCKED) -p agrik
+	cargo bench $(LOCKED) -p agrik -p agrik-solids
 	$(PY) benches/peers.py
 	$(PY) benches/closed_forms.py
 
@@ -56,6 +57,18 @@ sanitize: ## the core's lanes and batches under AddressSanitizer
 miri: ## the lane types under Miri (needs a nightly toolchain with the component)
 	.ci/miri
 	.ci/stamp write miri
+
+damaged: build $(VENV)/.dev ## 2,000 damaged files: no traceback, < 500 MB, < 5 s each
+	$(PY) tests/io/damaged_files.py --files 2000
+
+fuzz-arms: build ## random arms, solvers and tasks against what is promised: 10^7 rows
+	$(PY) benches/fuzz_arms.py --rows 1e7
+
+fuzz-sample: build
+	$(PY) benches/fuzz_arms.py --minutes 2
+
+robustness: build $(ROBOTS)/.done ## docs/robustness.md made anew, on arms that are downloaded
+	$(PY) benches/robustness.py --packages $(ROBOTS)
 
 wheel: $(VENV)/.build ## the wheel for this platform, in target/wheels
 	rm -rf $(WHEELS)
@@ -92,7 +105,7 @@ rust-test: $(VENV)/.pip
 	if cargo nextest --version >/dev/null 2>&1; \
 	then cargo nextest run $(LOCKED) --workspace --exclude agrik-py; \
 	else cargo test $(LOCKED) --workspace --exclude agrik-py --tests; fi
-	cargo test $(LOCKED) --doc -p agrik-compute -p agrik
+	cargo test $(LOCKED) --doc -p agrik-compute -p agrik -p agrik-solids
 
 python-lint: build $(VENV)/.dev
 	$(PY) -m ruff check .
@@ -125,6 +138,12 @@ $(VENV)/.docs: pyproject.toml $(VENV)/.pip
 
 $(NATIVE): $(RUST_SOURCES) pyproject.toml $(VENV)/.build
 	VIRTUAL_ENV=$(abspath $(VENV)) $(PY) -m maturin develop --release $(LOCKED) --extras parquet
+	@touch $@
+
+$(ROBOTS)/.done: pyproject.toml
+	$(PYTHON) -m venv $(ROBOTS)
+	$(ROBOTS)/bin/python -m pip install --quiet --upgrade pip
+	$(ROBOTS)/bin/python -m pip install --quiet --no-deps --group oracle-data
 	@touch $@
 
 # Pinocchio pins libraries of its own; the two robot packages are wanted for their files alone.

@@ -115,8 +115,8 @@ fn joints_that_cannot_be_used() {
         ),
         (
             "revolute",
-            "<limit lower=\"-inf\" upper=\"inf\"/>",
-            "joint 'j' (line 4): <limit> lower: expected a finite number, got '-inf'",
+            "<limit lower=\"nan\" upper=\"1\"/>",
+            "joint 'j' (line 4): <limit> lower: expected a finite number, got 'nan'",
         ),
         (
             "continuous",
