@@ -6,7 +6,6 @@
 
 mod attempts;
 mod feedback;
-mod limit;
 mod nearest;
 mod runs;
 mod slack;
@@ -15,9 +14,9 @@ use smallvec::{SmallVec, smallvec};
 
 use self::attempts::Job;
 use self::feedback::{Halt, Memory};
-use self::limit::{Limit, limits};
 use self::runs::Runs;
 use self::slack::Relaxed;
+use super::limit::{Limit, limits};
 use super::plan::{INSIDE, Plan};
 use super::setup::Setup;
 use super::step::{Step, dot, pulled, squared_norm};

@@ -3,6 +3,7 @@
 
 mod engine;
 mod follow;
+mod limit;
 mod linear;
 mod plan;
 pub mod population;

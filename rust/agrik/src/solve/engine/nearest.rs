@@ -8,11 +8,11 @@
 
 use smallvec::{SmallVec, smallvec};
 
-use super::limit::Limit;
 use crate::call::Tolerance;
 use crate::chain::Compiled;
 use crate::kinematics::{PerJoint, Workspace, columns, forward};
 use crate::lanes::{cross, dot};
+use crate::solve::limit::Limit;
 use crate::solve::plan::{INSIDE, Plan};
 use crate::task::{AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task};
 

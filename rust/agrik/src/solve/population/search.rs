@@ -10,6 +10,7 @@ use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, forward};
 use crate::lanes::{Kernel, Level, Real, dispatch};
 use crate::random::Stream;
+use crate::solve::limit::limits;
 use crate::solve::plan::{INSIDE, Plan};
 use crate::solve::step;
 use crate::task::Goal;
@@ -342,6 +343,10 @@ impl<'e, R: Real> Search<'e, R> {
     /// nearest to the start values, of the others the one with the smallest error.
     fn consider(&mut self, goal: &Goal<f64>, start: Option<&[f64]>) {
         let plan = &self.evolution.plan;
+        for (i, v) in limits(plan).iter().enumerate().filter(|(_, v)| v.turns || v.winds) {
+            let about = start.map_or(v.middle, |start| v.reference(start[i]));
+            self.q[i] = v.wound(self.q[i], about);
+        }
         forward(plan.request.chain().compiled(), &self.q, &mut self.workspace);
         let (position2, orientation2) = plan.request.errors(&self.workspace, goal);
         let setup = plan.setup();

@@ -1,9 +1,9 @@
-//! A joint's limits as the loop sees them.
+//! A joint's limits as solvers see them, and the turns that they leave open.
 
+use super::plan::Plan;
 use crate::call::Starts;
 use crate::chain::{JointKind, UNLIMITED, Variable};
 use crate::kinematics::PerJoint;
-use crate::solve::plan::Plan;
 
 /// A full turn, with room for rounding.
 const TURN: f64 = std::f64::consts::TAU + 1e-9;
