@@ -159,9 +159,10 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                 && !settings.plain
                 && !matches!(settings.step, Step::FixedTranspose { .. }),
             relaxed: Relaxed::none(),
-            completes: !settings.plain
-                && !FEEDBACK
-                && settings.max_restarts > 0
+            // Other steps are compared as they are, and a cap on attempts is one on searches.
+            completes: matches!(settings.step, Step::LevenbergMarquardt { .. })
+                && !settings.plain
+                && settings.max_restarts >= attempts::MOST_STARTS
                 && plan.bounds.is_none()
                 && plan.pull.is_none(),
             has_continuous: variables.iter().any(|v| v.kind == JointKind::Continuous),

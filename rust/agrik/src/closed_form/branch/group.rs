@@ -135,7 +135,11 @@ impl<'a> Job<'a> {
         }
         if near(&branch) && !branch.inside && singular != [false; 3] {
             let open = Open { q: branch.q, singular, way, centre };
-            branch = open_angles::inside(self, goal, &open).unwrap_or(branch);
+            if let Some(open) = open_angles::inside(self, goal, &open) {
+                // Angles that nothing decides leave other joints what they are by fewer digits.
+                let fine = polished(&self.exact, self.limits(), open, goal, centre);
+                branch = if fine.inside { fine } else { open };
+            }
         }
         branch
     }

@@ -30,6 +30,7 @@ pub fn is_rough<R: Real>(position2: R, chord2: R) -> R::Mask {
 }
 
 /// A branch after its steps.
+#[derive(Debug, Clone, Copy)]
 pub struct Polished {
     /// Joint values along the chain, rad, within limits where that can be.
     pub q: [f64; JOINTS],
@@ -92,7 +93,8 @@ pub fn held(
     let mut best = checked(q);
     let mut damping = DAMPING;
     for _ in 0..steps {
-        if reached(&best) {
+        // Within the tolerances is enough, but a few digits more cost little.
+        if reached(&best) && !is_rough(best.position2, best.chord2) {
             return Some(best);
         }
         if best.position2 + best.chord2 > FARTHEST * FARTHEST {

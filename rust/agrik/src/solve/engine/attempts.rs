@@ -20,7 +20,7 @@ const AROUND: u32 = 2;
 const HOPS: u32 = 8;
 /// Most starts from which a nearest posture is looked for; fewer where so many ends after the
 /// best one bring the tool as near as it, but for this share of the length per radian.
-const MOST_STARTS: u32 = 32;
+pub(super) const MOST_STARTS: u32 = 32;
 const ENOUGH: u32 = 8;
 const SAME: f64 = 1e-5;
 /// What orientations count beside places while the nearest posture is looked for.
