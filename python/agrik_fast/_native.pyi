@@ -19,6 +19,7 @@ __all__ = [
     "TomatoArm",
     "Tuner",
     "__version__",
+    "_panic",
     "check_solver",
     "default_settings",
     "get_num_threads",
@@ -650,6 +651,9 @@ def default_settings() -> dict[str, dict[str, object]]:
     dict of dict
         Field names and values as in the dataclasses of `agrik_fast.solvers`.
     """
+
+def _panic() -> None:
+    """Panic: for the test that a panic of the core is an `InternalError`."""
 
 def check_solver(solver: object) -> None:
     """Refuse a solver whose fields are out of their ranges.

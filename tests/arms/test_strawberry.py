@@ -371,6 +371,8 @@ def test_bad_arguments() -> None:
         with pytest.raises(ArgumentError):
             call()
     with pytest.raises(UnknownNameError, match="s32"):
+        ARM.slopes(0.1, 0.1, "s3")
+    with pytest.raises(ArgumentError, match="s32, got 3"):
         ARM.slopes(0.1, 0.1, 3)
     # Without friction the proof of the exact minimum does not hold, and it says so.
     with pytest.raises(ArgumentError, match="friction"):

@@ -277,7 +277,7 @@ def joint(**changes):
     ("change", "text"),
     [
         ({"lower": 2.0}, "`joint 'a' limits`: expected lower <= upper, got lower 2 > upper 1"),
-        ({"lower": np.nan}, "`joint 'a' limits`: expected finite numbers"),
+        ({"lower": np.nan}, "`joint 'a' limits`: expected numbers"),
         ({"axis": np.zeros(3)}, '`joints[0]["axis"]`: expected a finite direction of non-zero'),
         ({"axis": np.full(3, np.nan)}, '`joints[0]["axis"]`: expected a finite direction'),
         ({"axis": np.zeros(2)}, '`joints[0]["axis"]`: expected shape (3,), got shape (2,)'),
