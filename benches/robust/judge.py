@@ -183,6 +183,12 @@ def _far_turns(
             middle = (arm.lower + arm.upper) / 2
         middle = np.clip(np.where(np.isfinite(middle), middle, 0.0), arm.lower, arm.upper)
         starts = np.broadcast_to(middle, q.shape)
+    # A start out of the limits counts as the limit; one of a free joint beyond 1e4 rad, where
+    # sines lose digits, is brought back by whole turns.
+    starts = np.clip(starts, arm.lower, arm.upper)
+    far_out = arm.turns & (np.abs(starts) > 1e4)
+    with np.errstate(invalid="ignore"):
+        starts = np.where(far_out, starts - TURN * np.round(starts / TURN), starts)
     # A turn of a joint that others follow is another posture.
     may_turn = arm.turns & ~arm.leads & success[:, None] & np.isfinite(starts)
     slack = 1e-9 * (1 + np.abs(q) + np.abs(starts))

@@ -10,6 +10,7 @@ use crate::call::{AnswersMut, Outcome, Status};
 use crate::chain::Variable;
 use crate::kinematics::{PerJoint, Workspace, forward};
 use crate::lanes::Real;
+use crate::solve::plan::INSIDE;
 use crate::solve::step::squared_norm;
 use crate::task::{Goal, Rows, TaskError};
 
@@ -130,9 +131,13 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             forward(request.chain().compiled(), &job.best_q, &mut at);
             let left = request.goal(job.row).map(|goal| request.errors(&at, &goal));
             let (position2, orientation2) = left.unwrap_or((f64::INFINITY, f64::INFINITY));
+            // A solution is one however it came about.
+            let tolerance = request.tolerance();
+            let solved = position2 <= (INSIDE * tolerance.position).powi(2)
+                && orientation2 <= (INSIDE * tolerance.orientation).powi(2);
             Best {
                 squared: f64::INFINITY,
-                status,
+                status: if solved { Status::Converged } else { status },
                 position_error: position2.sqrt(),
                 orientation_error: orientation2.sqrt(),
             }
