@@ -38,7 +38,7 @@ ANSWERS = {
 # type checker's business, as it is for `Robot(definition)`, which users do not call.
 OBJECTS = {
     "checkpoint", "chunks", "content", "definition", "gain", "kind", "path", "report", "resume",
-    "robot", "source", "tuning",
+    "robot", "source", "store", "tuning",
 }  # fmt: skip
 # Texts and paths: what is neither is a TypeError in Python's own words.
 TEXTS = {"base_link", "name", "name_or_path", "path_or_text", "tip_link"}

@@ -24,6 +24,7 @@ from pydantic import (
 )
 
 from .._atomic import write_bytes
+from .._checks import shown, truth_value
 from .._files import decode, listing, parse_json, parse_toml, read_bytes
 from ..errors import ArgumentError, GainFileError, UnknownNameError
 from ._feedback import IDENTITY, IkPid, StateSpace, StaticGain
@@ -277,6 +278,9 @@ def text(path: Path, content: GainFile) -> str:
     ArgumentError
         Another suffix.
     """
+    given: object = content
+    if not isinstance(given, GainFile):
+        raise ArgumentError("content", shown(given), "a GainFile")
     tables = content.model_dump(exclude_none=True)
     if path.suffix == ".json":
         return json.dumps(tables, indent=2) + "\n"
@@ -306,6 +310,7 @@ def write(path: Path, content: GainFile, *, force: bool = True) -> None:
     GainFileError
         The file cannot be written, or exists and `force` is False.
     """
+    force = truth_value("force", force)
     refuse = partial(GainFileError, str(path))
     write_bytes(path, text(path, content).encode(), refuse, force=force)
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from .._checks import FloatArray
+from .._checks import FloatArray, shown
 from .._native import Tuner
-from ..errors import GainFileError
+from ..errors import ArgumentError, GainFileError
 from ..robot import Robot
 from ..solvers import IkPid
 from ..solvers.gain_file import GainFile, SuccessTable, TrainingTable
@@ -89,6 +89,8 @@ def tune(
     GainFileError
         The checkpoint is another run's or damaged, or exists already without `resume`.
     """
+    if store is not None and not callable(store):
+        raise ArgumentError("store", shown(store), "a function that takes the gain file, or None")
     start_from = template(robot, tuning)
     legs = legs_of(tuning)
     progress = Progress(identity=tuning.identity(robot))
