@@ -191,7 +191,8 @@ def _far_turns(
         starts = np.where(far_out, starts - TURN * np.round(starts / TURN), starts)
     # A turn of a joint that others follow is another posture.
     may_turn = arm.turns & ~arm.leads & success[:, None] & np.isfinite(starts)
-    slack = 1e-9 * (1 + np.abs(q) + np.abs(starts))
+    # Half a turn away on either side is as near, and the last digits say nothing.
+    slack = 1e-6 * (1 + np.abs(q) + np.abs(starts))
     far = np.zeros(q.shape, bool)
     for turn in (-TURN, TURN):
         other = q + turn
