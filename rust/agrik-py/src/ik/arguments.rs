@@ -83,7 +83,8 @@ impl<'py> Given<'py> {
             return Ok(Self::Nothing);
         };
         let py = q0.py();
-        if let Some(few) = few(q0, dof) {
+        let mut few = [0.0; FEW];
+        if few.get_mut(..dof).is_some_and(|few| read_doubles(q0, few)) {
             return Ok(Self::Few(few, dof));
         }
         let array = numbers("q0", q0)?;
@@ -115,17 +116,17 @@ impl<'py> Given<'py> {
     }
 }
 
-/// Start values in an array of `dof` doubles, read without a detour over NumPy's functions.
-fn few(q0: &Bound<'_, PyAny>, dof: usize) -> Option<[f64; FEW]> {
-    let array = q0.cast::<PyArray1<f64>>().ok()?;
-    if array.len() != dof || !array.is_aligned() {
-        return None;
+/// Reads an array of just as many doubles without a detour over NumPy's functions; false for
+/// anything else.
+pub fn read_doubles(q0: &Bound<'_, PyAny>, to: &mut [f64]) -> bool {
+    let Ok(array) = q0.cast::<PyArray1<f64>>() else { return false };
+    if array.len() != to.len() || !array.is_aligned() {
+        return false;
     }
-    let mut start = [0.0; FEW];
-    for (i, x) in start.get_mut(..dof)?.iter_mut().enumerate() {
-        *x = array.get_owned(i)?;
+    for (i, x) in to.iter_mut().enumerate() {
+        *x = array.get_owned(i).unwrap_or(f64::NAN);
     }
-    Some(start)
+    true
 }
 
 /// A call's arguments in memory of their own, checked, from which its request is made.

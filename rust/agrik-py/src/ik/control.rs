@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyByteArray;
 use smallvec::{SmallVec, smallvec};
 
-use super::arguments::Options;
+use super::arguments::{Options, read_doubles};
 use super::signals::Signals;
 use super::targets::{Targets, first_not_rigid, not_rigid_error};
 use crate::convert::{Floats, internal, numbers, wrong_shape};
@@ -115,13 +115,7 @@ impl TargetSolver {
     /// A copy of a start of the right length.
     fn start(&self, q0: &Bound<'_, PyAny>) -> PyResult<Start> {
         let mut start: Start = smallvec![0.0; self.chain.dof()];
-        if let Ok(array) = q0.cast::<PyArray1<f64>>()
-            && array.len() == start.len()
-            && array.is_aligned()
-        {
-            for (i, x) in start.iter_mut().enumerate() {
-                *x = array.get_owned(i).unwrap_or(f64::NAN);
-            }
+        if read_doubles(q0, &mut start) {
             return Ok(start);
         }
         let array = numbers("q0", q0)?;
