@@ -5,7 +5,7 @@ and raises the classes of `agrik_fast.errors`. Tasks and solvers are read by the
 fields, so that it knows none of their classes.
 """
 
-from typing import Any, TypedDict, final, type_check_only
+from typing import Any, NotRequired, TypedDict, final, type_check_only
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,6 +44,7 @@ class JointSpec(TypedDict):
     lower: float
     upper: float
     mimic: tuple[str, float, float] | None
+    link: NotRequired[str | None]
 
 @final
 class Chain:
@@ -131,7 +132,9 @@ class Chain:
         """
 
     @staticmethod
-    def from_urdf(text: str, base_link: str | None = None, tip_link: str | None = None) -> Chain:
+    def from_urdf(
+        text: str, base_link: str | None = None, tip_link: str | None = None
+    ) -> tuple[Chain, tuple[str, str, list[str], list[str]]]:
         """Build a chain from the text of a URDF.
 
         Parameters
@@ -139,17 +142,20 @@ class Chain:
         text : str
             XML text.
         base_link, tip_link : str, optional
-            First and last link; default: the only root and the only leaf.
+            First and last link; default: the only root and the end of the only arm.
 
         Returns
         -------
-        Chain
-            The chain from base to tip.
+        chain : Chain
+            The chain.
+        ends : (str, str, list of str, list of str)
+            Its first and last link, other links that the last could be, and the joints that
+            their limits, both 0, lock.
 
         Raises
         ------
         UrdfError
-            No URDF, no single serial chain, or an unknown link.
+            The text does not describe one serial chain.
         """
 
     @property
@@ -167,6 +173,20 @@ class Chain:
     @property
     def joint_types(self) -> list[str]:
         """Types of the joint variables, in the order of q."""
+
+    def joints(self) -> list[dict[str, Any]]:
+        """Return the joints, fixed ones and followers too, as `from_joints` takes them."""
+
+    @property
+    def base(self) -> NDArray[np.float64]:
+        """Base transform, shape (4, 4), m."""
+
+    @property
+    def tool(self) -> NDArray[np.float64]:
+        """Tool transform, shape (4, 4), m."""
+
+    def same(self, other: Chain) -> bool:
+        """Return True for a chain of the same name, joints, links, limits, base and tool."""
 
     @property
     def lower(self) -> NDArray[np.float64]:

@@ -19,7 +19,9 @@ __all__ = [
     "Fault",
     "GainFileError",
     "InternalError",
+    "MissingExtraError",
     "RobotFileError",
+    "RobotWarning",
     "UnknownNameError",
     "UrdfError",
 ]
@@ -109,6 +111,38 @@ class InternalError(AgrikError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return InternalError, self.args
+
+
+class MissingExtraError(AgrikError, ImportError):
+    """Something needs a library that the base installation does not bring.
+
+    Parameters
+    ----------
+    what : str
+        What needs it, in words.
+    extra : str
+        Name of the extra that brings it.
+
+    Attributes
+    ----------
+    what, extra
+        The parameters.
+    """
+
+    what: str
+    extra: str
+
+    def __init__(self, what: str, extra: str) -> None:
+        self.what = what
+        self.extra = extra
+        super().__init__(f"{what}: needs an extra, pip install 'agrik_fast[{extra}]'")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.what, self.extra)
+
+
+class RobotWarning(UserWarning):
+    """Something about a robot that is allowed and seldom meant."""
 
 
 class GainFileError(AgrikError, ValueError):

@@ -14,12 +14,12 @@ import typer
 from typer.core import TyperCommand
 
 from ..papers import PAPERS
+from . import _options
 from ._exits import NOT_ALL_SOLVED, exit_codes, run, say, telling
 
 app = typer.Typer(
     name="agrik-fast",
     help="Fast, verified inverse kinematics for serial robot arms.",
-    add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -65,14 +65,17 @@ class _SolveCommand(TyperCommand):
 
 @app.command(cls=_SolveCommand)
 def solve(
-    robot: Annotated[str, typer.Argument(help="A bundled robot's name, or a .toml or .urdf file.")],
+    robot: _options.Robot,
     targets: Annotated[Path, typer.Argument(help="Targets: .csv, .npy, .npz or .parquet.")],
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Results: .csv, .npy, .npz or .parquet.")
     ],
     task: Annotated[
         str | None,
-        typer.Option(help="position, pose or axis; by default pose if there are orientations."),
+        typer.Option(
+            help="position, pose, axis or masked; by default masked with --mask, else pose if "
+            "there are orientations."
+        ),
     ] = None,
     solver: Annotated[
         str,
@@ -90,6 +93,24 @@ def solve(
             "by default along the targets' own tool axis."
         ),
     ] = None,
+    mask: Annotated[
+        str | None,
+        typer.Option(
+            help="Weights of the errors along x,y,z and about x,y,z, 0 where it is free, such as "
+            "1,1,1,0,0,1."
+        ),
+    ] = None,
+    mask_frame: Annotated[
+        str, typer.Option(help="Frame in which --mask counts: base or tool.")
+    ] = "base",
+    q0: Annotated[
+        str | None,
+        typer.Option("--q0", help="Start values in radians and metres, such as 0,-1.57,0."),
+    ] = None,
+    base_link: _options.BaseLink = None,
+    tip_link: _options.TipLink = None,
+    tool: _options.Tool = None,
+    frame: _options.Frame = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the restarts.")] = 0,
     threads: Annotated[
         int | None, typer.Option(min=1, help="Threads; by default all cores.")
@@ -108,7 +129,7 @@ def solve(
     """
     with exit_codes() as kept:
         from ..jobs import SolveRequest
-        from ._solve import parse_axis, solve_words
+        from ._solve import parse_axis, parse_values, parse_word, solve_words
         from .progress import for_stream
         from .summary import print_summaries
 
@@ -125,6 +146,13 @@ def solve(
             seed=seed,
             threads=threads,
             force=force,
+            base_link=base_link,
+            tip_link=tip_link,
+            tool=_options.tool(tool),
+            frame=frame,
+            q0=None if q0 is None else parse_values("--q0", q0),
+            mask=None if mask is None else _options.numbers("--mask", mask, (6,)),
+            mask_frame=parse_word("--mask-frame", mask_frame, ("base", "tool")),
         )
         summary = solve_words(request, for_stream(sys.stderr))
         kept.what = lambda: f"results: {output}"
@@ -139,21 +167,73 @@ def solve(
 def info(
     robot: Annotated[
         str | None,
-        typer.Argument(help="A bundled robot's name, or a .toml or .urdf file; all names if none."),
+        typer.Argument(help="A robot's name or file, as for `solve`; all names if none."),
     ] = None,
+    base_link: _options.BaseLink = None,
+    tip_link: _options.TipLink = None,
+    tool: _options.Tool = None,
+    frame: _options.Frame = None,
 ) -> None:
     """Print a robot's joints, limits, reach, DH rows and source."""
     with exit_codes():
+        from ..jobs import RobotChoice
         from ._info import describe, list_robots
 
-        text = list_robots() if robot is None else describe(robot)
+        if robot is None:
+            text = list_robots()
+        else:
+            choice = RobotChoice(robot, base_link, tip_link, _options.tool(tool), frame)
+            text = describe(choice.load())
         with telling():
             typer.echo(text)
 
 
 @app.command()
+def robots() -> None:
+    """Print the robots that can be loaded by name, with a line on each."""
+    with exit_codes():
+        from ._info import list_robots
+
+        with telling():
+            typer.echo(list_robots())
+
+
+@app.command()
+def solvers() -> None:
+    """Print the solvers, with a line on each."""
+    with exit_codes():
+        from ._info import list_solvers
+
+        with telling():
+            typer.echo(list_solvers())
+
+
+@app.command()
+def convert(
+    robot: _options.Robot,
+    output: Annotated[Path, typer.Argument(help="The robot file to write: .toml.")],
+    base_link: _options.BaseLink = None,
+    tip_link: _options.TipLink = None,
+    tool: _options.Tool = None,
+    frame: _options.Frame = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Write a robot, such as one from a URDF, to a robot file."""
+    with exit_codes():
+        from ..jobs import RobotChoice
+
+        choice = RobotChoice(robot, base_link, tip_link, _options.tool(tool), frame)
+        arm = choice.load()
+        for note in arm.notes:
+            say(f"{arm.name}: {note}")
+        arm.save(output, force=force)
+        with telling(f"robot: {output}"):
+            typer.echo(f"robot: {output}")
+
+
+@app.command()
 def tune(
-    robot: Annotated[str, typer.Argument(help="A bundled robot's name, or a .toml or .urdf file.")],
+    robot: _options.Robot,
     output: Annotated[Path, typer.Option("--output", "-o", help="Gain file: .toml or .json.")],
     solver: Annotated[
         str, typer.Option(help="state-space, static-gain or ik-pid.")
@@ -180,6 +260,10 @@ def tune(
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the search and its goals.")] = 0,
     tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-3,
+    base_link: _options.BaseLink = None,
+    tip_link: _options.TipLink = None,
+    tool: _options.Tool = None,
+    frame: _options.Frame = None,
     threads: Annotated[
         int | None, typer.Option(min=1, help="Threads; by default all cores.")
     ] = None,
@@ -194,6 +278,7 @@ def tune(
     written.
     """
     with exit_codes() as kept:
+        from ..jobs import RobotChoice
         from ..tuning import Tuning
         from ._tune import tune_to_file, what_is_kept
 
@@ -214,7 +299,8 @@ def tune(
             **{name: value for name, value in given.items() if value is not None},
         )
         kept.what = lambda: what_is_kept(output)
-        content = tune_to_file(robot, tuning, output, force=force, resume=resume)
+        choice = RobotChoice(robot, base_link, tip_link, _options.tool(tool), frame)
+        content = tune_to_file(choice, tuning, output, force=force, resume=resume)
         kept.what = lambda: f"gains: {output}"
         success = content.success
         with telling(f"gains: {output}"):

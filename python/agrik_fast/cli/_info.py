@@ -2,32 +2,58 @@
 
 from __future__ import annotations
 
+import inspect
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from .. import solvers
+from .._files import brief
+from .._names import solver_names
+from ..errors import AgrikError
 from ..robot import Robot
+
+# Solvers without settings of their own.
+_WITHOUT_CLASS = {"auto": "A closed form where the arm has one, and `lm` where that finds nothing."}
 
 
 def list_robots() -> str:
-    """Return the bundled robots, one a line, with their descriptions."""
-    names = Robot.names()
-    width = max(map(len, names))
-    return "\n".join(f"{name.ljust(width)}  {Robot.load(name).description}" for name in names)
+    """Return the robots that have names, one a line, with their descriptions."""
+    return _lines({name: _description(name) for name in Robot.names()})
 
 
-def describe(name_or_path: str) -> str:
-    """Return a robot's joints, limits, reach, DH rows, frames and source as text.
+def list_solvers() -> str:
+    """Return the solvers, one a line, with the first sentence on each."""
+    classes = [getattr(solvers, name) for name in solvers.__all__]
+    known = {each.name: each for each in classes if hasattr(each, "name")}
+    return _lines({name: _summary(known.get(name), name) for name in solver_names()})
 
-    Raises
-    ------
-    AgrikError
-        For an unknown name or a faulty file.
-    """
-    robot = Robot.load(name_or_path)
+
+def _summary(solver: type | None, name: str) -> str:
+    if solver is None:
+        return _WITHOUT_CLASS[name]
+    return (inspect.getdoc(solver) or "").partition("\n")[0]
+
+
+def _lines(words: Mapping[str, str]) -> str:
+    width = max(map(len, words))
+    return "\n".join(f"{name.ljust(width)}  {text}".rstrip() for name, text in words.items())
+
+
+def _description(name: str) -> str:
+    # A robot of another package may be broken; the list is there to say so.
+    try:
+        return Robot.load(name).description
+    except AgrikError as error:
+        return f"cannot be loaded: {brief(error)}"
+
+
+def describe(robot: Robot) -> str:
+    """Return a robot's joints, limits, reach, DH rows, frames and source as text."""
     blocks = [
         f"{robot.name}: {robot.description}" if robot.description else robot.name,
+        *(f"Note: {note}" for note in robot.notes),
         _joints(robot),
         _reach(robot),
     ]

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from typing import TypeVar
 
 from ..errors import ArgumentError, UnknownNameError
 from ..jobs import Progress, SolveRequest, Summary, solve_file
+from ._options import numbers
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -15,6 +17,11 @@ _OPTIONS = {
     "position_tolerance": "--tol",
     "orientation_tolerance": "--tol-rad",
     "direction": "--direction",
+    "mask": "--mask",
+    "q0": "--q0",
+    "base_link": "--base-link",
+    "tip_link": "--tip-link",
+    "tool": "--tool",
 }
 
 
@@ -38,6 +45,22 @@ def parse_axis(option: str, text: str) -> tuple[float, float, float]:
     if not all(map(math.isfinite, (x, y, z))) or not any((x, y, z)):
         raise ArgumentError(option, repr(text), "a finite vector that is not zero")
     return (x, y, z)
+
+
+def parse_values(option: str, text: str) -> tuple[float, ...]:
+    """Return the joint values that a text such as "0,-1.57,0" holds, however many."""
+    return numbers(option, text, (text.count(",") + 1,))
+
+
+_Word = TypeVar("_Word", bound=str)
+
+
+def parse_word(option: str, text: str, known: tuple[_Word, ...]) -> _Word:
+    """Return the one of a few words that a text is."""
+    for each in known:
+        if text.strip().lower() == each:
+            return each
+    raise ArgumentError(option, repr(text), " or ".join(known))
 
 
 def solve_words(request: SolveRequest, progress: Progress) -> Summary:

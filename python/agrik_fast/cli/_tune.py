@@ -14,10 +14,10 @@ import typer
 
 from .._atomic import AtomicFile
 from ..errors import ArgumentError, GainFileError
-from ..robot import Robot
+from ..jobs import RobotChoice
 from ..solvers.gain_file import GainFile, text, write
 from ..tuning import Report, Tuning, tune
-from ._exits import telling, write_line
+from ._exits import say, telling, write_line
 from .progress import PLAIN_INTERVAL_S, Bar
 
 __all__ = ["tune_to_file"]
@@ -69,7 +69,7 @@ def reporting(stream: TextIO) -> Iterator[Callable[[Report], None]]:
 
 
 def tune_to_file(
-    robot: str, tuning: Tuning, output: Path, *, force: bool, resume: bool
+    robot: RobotChoice, tuning: Tuning, output: Path, *, force: bool, resume: bool
 ) -> GainFile:
     """Tune and write the gain file; returns its content.
 
@@ -86,7 +86,9 @@ def tune_to_file(
     # Before the search, not hours later.
     AtomicFile(output, partial(GainFileError, str(output)), force=force).discard()
     checkpoint = checkpoint_of(output)
-    arm = Robot.load(robot)
+    arm = robot.load()
+    for note in arm.notes:
+        say(f"{arm.name}: {note}")
 
     def store(content: GainFile) -> None:
         try:

@@ -6,6 +6,7 @@ import contextlib
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +24,10 @@ from ..io import (
 )
 from ..result import IkResult
 from ..robot import Robot
-from ..tasks import Axis
+from ..tasks import Axis, Masked
 from ._pipeline import Pipeline, Solve
 from ._progress import Progress, Silent
+from ._robot_choice import RobotChoice
 from ._summary import Summary
 
 # Rows that are written in one go, fewer where ids are long; a Parquet file gets a row group
@@ -33,7 +35,7 @@ from ._summary import Summary
 WRITE_ROWS = 65_536
 WRITE_ID_BYTES = 32 << 20
 Vector = tuple[float, float, float]
-TASKS = ("position", "pose", "axis")
+TASKS = ("position", "pose", "axis", "masked")
 
 
 @dataclass(frozen=True)
@@ -46,8 +48,8 @@ class SolveRequest:
         Bundled name or path.
     targets, output : Path
         Files, whose kinds follow from their suffixes.
-    task : {"position", "pose", "axis"}, optional
-        None: pose if the targets have orientations.
+    task : {"position", "pose", "axis", "masked"}, optional
+        None: masked with a mask, else pose if the targets have orientations.
     solver : str
         A solver's name, see `Robot.ik`.
     position_tolerance : float, m
@@ -64,6 +66,15 @@ class SolveRequest:
         Number of threads, as for `Robot.ik`.
     force : bool
         Replace an existing result.
+    base_link, tip_link, tool, frame
+        The robot's links, tool and frame, as for `RobotChoice`.
+    q0 : tuple of float, optional
+        Start values, rad or m, of every row's first attempt.
+    mask : tuple of 6 float, optional
+        Weights of the errors along and about x, y, z: the task "masked", see
+        `agrik_fast.tasks.Masked`.
+    mask_frame : {"base", "tool"}
+        Frame in which they are counted.
     """
 
     robot: str
@@ -78,9 +89,21 @@ class SolveRequest:
     seed: int = 0
     threads: int | None = None
     force: bool = False
+    base_link: str | None = None
+    tip_link: str | None = None
+    tool: tuple[float, ...] | None = None
+    frame: str | None = None
+    q0: tuple[float, ...] | None = None
+    mask: tuple[float, ...] | None = None
+    mask_frame: Literal["base", "tool"] = "base"
+
+    @property
+    def choice(self) -> RobotChoice:
+        """The robot."""
+        return RobotChoice(self.robot, self.base_link, self.tip_link, self.tool, self.frame)
 
 
-def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str | Axis]:
+def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str | Axis | Masked]:
     """Return the task's name and what `Robot.ik` gets for it.
 
     Raises
@@ -88,14 +111,21 @@ def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str |
     ArgumentError
         For an unknown task, or one that needs orientations the targets do not have.
     """
-    name = request.task or ("pose" if reader.is_pose else "position")
+    usual = "masked" if request.mask is not None else "pose" if reader.is_pose else "position"
+    name = request.task or usual
     if name not in TASKS:
         raise UnknownNameError("task", name, TASKS)
-    if name == "pose" and not reader.is_pose:
-        raise ArgumentError("task", "targets without orientation", "orientations for a pose task")
+    if name in ("pose", "masked") and not reader.is_pose:
+        expected = f"orientations for a {name} task"
+        raise ArgumentError("task", "targets without orientation", expected)
+    if (name == "masked") != (request.mask is not None):
+        got = "nothing" if request.mask is None else f"task {name!r}"
+        raise ArgumentError("mask", got, "six weights with the task 'masked'")
+    if name != "axis" and request.direction is not None:
+        raise ArgumentError("direction", f"task '{name}'", "task 'axis'")
+    if request.mask is not None:
+        return name, Masked(request.mask, request.mask_frame)  # type: ignore[arg-type]
     if name != "axis":
-        if request.direction is not None:
-            raise ArgumentError("direction", f"task '{name}'", "task 'axis'")
         return name, name
     if request.direction is None and not reader.is_pose:
         raise ArgumentError("direction", "nothing", "one, as the targets are points")
@@ -133,7 +163,7 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     ):
         if not (np.isfinite(value) and value > 0.0):
             raise ArgumentError(name, repr(value), "a positive number")
-    robot = Robot.load(request.robot)
+    robot = request.choice.load()
     reader = read_targets(request.targets)
     if request.output.exists() and request.output.samefile(request.targets):
         raise ResultFileError(request.output, "is the target file, expected another name")
@@ -147,6 +177,8 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     work = Pipeline(reader.chunks(), _solver(robot, task, request))
     with open_results(request.output, layout, force=request.force) as writer, progress:
         progress.start(f"{robot.name}, {task_name} task", reader.count)
+        for note in robot.notes:
+            progress.note(note)
         if reader.ignored:
             progress.note(f"not used: {', '.join(reader.ignored)}")
         waiting: list[ResultChunk] = []
@@ -168,12 +200,13 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     return summary
 
 
-def _solver(robot: Robot, task: str | Axis, request: SolveRequest) -> Solve:
+def _solver(robot: Robot, task: str | Axis | Masked, request: SolveRequest) -> Solve:
     def solve(targets: NDArray[np.float64], first_index: int) -> IkResult:
         return robot.ik(
             targets,
             task=task,
             solver=request.solver,
+            q0=request.q0,
             seed=request.seed,
             threads=request.threads,
             position_tolerance=request.position_tolerance,
@@ -194,7 +227,12 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
         "position_tolerance_m": repr(request.position_tolerance),
         "orientation_tolerance_rad": repr(request.orientation_tolerance),
         "seed": str(request.seed),
+        **request.choice.words(),
     }
+    if request.q0 is not None:
+        values["q0"] = _words(request.q0)
+    if request.mask is not None:
+        values["mask"] = f"{_words(request.mask)} in the {request.mask_frame}'s frame"
     if task == "axis":
         values["tool_axis"] = _words(request.tool_axis)
         where = request.direction
@@ -202,7 +240,7 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
     return values
 
 
-def _words(vector: Vector) -> str:
+def _words(vector: tuple[float, ...]) -> str:
     return ",".join(map(repr, vector))
 
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,18 +11,14 @@ import numpy as np
 
 from .. import _native
 from .._checks import FloatArray
-from .._files import decode, read_bytes
-from ..errors import ArgumentError, UnknownNameError, UrdfError
+from .._files import listing
+from .._warnings import warn
+from ..errors import RobotWarning, UrdfError
 from ._dh_rows import DhRow, DhTable
 
 if TYPE_CHECKING:
     from .._native import JointSpec
     from ._file import RobotFile
-
-ROBOTS = Path(__file__).resolve().parent / "bundled"
-# The core has the same limit for texts.
-_URDF_BYTES = 16 << 20
-_SUFFIXES = (".toml", ".urdf", ".xml")
 
 
 @dataclass(frozen=True)
@@ -49,11 +43,14 @@ class Definition:
     convention: str | None = None
     dh: tuple[DhRow, ...] | None = None
     frames: dict[str, FloatArray] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    home: dict[str, float] = field(default_factory=dict)
+    """Values of the home posture by joint, as far as they are said."""
 
     def build(self) -> _native.Chain:
         """Compile the chain."""
         if self.method == "from_urdf":
-            chain = _native.Chain.from_urdf(*self.arguments)
+            chain, _ = _native.Chain.from_urdf(*self.arguments)
             chain = chain if self.base is None else chain.with_base(self.base)
             return chain if self.tool is None else chain.with_tool(self.tool)
         make: Callable[..., _native.Chain] = getattr(_native.Chain, self.method)
@@ -64,55 +61,24 @@ class Definition:
         return replace(self, **changes)
 
 
-def bundled_names() -> tuple[str, ...]:
-    """Return the names of the robots in the package, sorted."""
-    return tuple(sorted(path.stem for path in ROBOTS.glob("*.toml")))
-
-
-def locate(name_or_path: str | PathLike[str]) -> Path:
-    """Return the file meant by a bundled robot's name or a path."""
-    text = fspath(name_or_path)
-    path = Path(text)
-    looks_like_path = isinstance(name_or_path, PathLike) or path.suffix or path.name != text
-    if not looks_like_path:
-        if text not in bundled_names():
-            raise UnknownNameError("robot", text, bundled_names())
-        return ROBOTS / f"{text}.toml"
-    if path.suffix not in _SUFFIXES:
-        raise ArgumentError(
-            "name_or_path", repr(text), f"a bundled robot's name or a {', '.join(_SUFFIXES)} file"
-        )
-    if not path.is_file():
-        raise ArgumentError("name_or_path", f"{text!r}, which is no file", "an existing file")
-    return path
-
-
-def read_urdf(path_or_text: str | PathLike[str]) -> str:
-    """Return a URDF's text, reading the file if a path is given."""
-    text = fspath(path_or_text)
-    if "<" in text:
-        return text
-    path = Path(text)
-    if not path.is_file():
-        expected = "the path of an existing URDF, or its text"
-        raise ArgumentError("path_or_text", f"{text!r}, which is no file", expected)
-
-    def refuse(reason: str) -> UrdfError:
-        return UrdfError(f"{path.name}: {reason}")
-
-    return decode(read_bytes(path, refuse, _URDF_BYTES), refuse)
-
-
-@contextlib.contextmanager
-def naming_file(path_or_text: str | PathLike[str]) -> Iterator[None]:
-    """Put the name of the file, if there is one, before what is wrong with its URDF."""
+def from_urdf(
+    text: str, name: str, base_link: str | None, tip_link: str | None
+) -> tuple[Definition, _native.Chain]:
+    """Read a URDF's text; `name` is the file's, for messages."""
     try:
-        yield
+        chain, (base, tip, others, locked) = _native.Chain.from_urdf(text, base_link, tip_link)
     except UrdfError as error:
-        text = fspath(path_or_text)
-        if "<" in text:
-            raise
-        raise UrdfError(f"{Path(text).name}: {error}") from None
+        raise UrdfError(f"{name}: {error}" if name else str(error)) from None
+    notes = []
+    if others:
+        notes.append(
+            f"the tip is link {tip!r}; it could also be {listing(others)} (choose with tip_link)"
+        )
+    if locked:
+        words = "joint" if len(locked) == 1 else "joints"
+        said = f"{words} {listing(locked)} cannot move: both limits are 0"
+        warn(f"{name or chain.name}: {said}", RobotWarning)
+    return Definition("from_urdf", (text, base, tip), notes=tuple(notes)), chain
 
 
 def from_robot_file(path: Path) -> Definition:
@@ -136,6 +102,7 @@ def from_robot_file(path: Path) -> Definition:
         convention=content.convention,
         dh=dh,
         frames={name: table.matrix() for name, table in content.frames.items()},
+        home=content.home(),
     )
 
 
@@ -165,6 +132,7 @@ def _joints(content: RobotFile) -> tuple[str, tuple[Any, ...], None]:
                 "lower": lower,
                 "upper": upper,
                 "mimic": None if rule is None else (rule.joint, rule.multiplier, rule.offset),
+                "link": row.link,
             }
         )
     return "from_joints", (content.name, joints), None

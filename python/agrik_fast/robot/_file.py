@@ -114,6 +114,14 @@ class _Row(_Table):
     """Largest value of a revolute joint, rad."""
     upper_deg: FiniteFloat | None = None
     """The same, degrees."""
+    home_m: FiniteFloat | None = None
+    """Value of a prismatic joint in the home posture, m."""
+    home_mm: FiniteFloat | None = None
+    """The same, mm."""
+    home_rad: FiniteFloat | None = None
+    """Value of a turning joint in the home posture, rad."""
+    home_deg: FiniteFloat | None = None
+    """The same, degrees."""
     provenance: dict[str, str] = {}
     """Where the numbers are from: mark, or mark and text."""
 
@@ -162,6 +170,8 @@ class JointTable(_Row, TransformTable):
 
     axis: _Triple | None = None
     """Direction of the axis; any length but zero."""
+    link: _Name | None = None
+    """Name of the link it carries; without it the joint's name and `_link`."""
     mimic: MimicTable | None = None
     """Rule, if the joint follows another."""
 
@@ -216,6 +226,12 @@ class RobotFile(_Table):
     """Denavit-Hartenberg rows, from base to tool."""
     joint: Annotated[list[JointTable], Field(max_length=_ROWS)] = []
     """Joint rows, from base to tool."""
+
+    def home(self) -> dict[str, float]:
+        """Return the values of the home posture, rad or m, by the joints that have one."""
+        rows = [*self.dh, *self.joint]
+        said = {row.name: quantity(row.model_dump(), "home") for row in rows}
+        return {name: float(value) for name, value in said.items() if value is not None}
 
 
 def read(path: Path) -> RobotFile:

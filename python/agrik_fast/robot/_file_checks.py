@@ -69,12 +69,14 @@ def _faults(raw: Mapping[str, Any]) -> Iterator[Fault]:
         for stem, units in (("a", _LENGTH), ("alpha", _ANGLE), ("d", _LENGTH), ("theta", _ANGLE)):
             yield from _one_unit(place, row, stem, units, required=True)
         yield from _limit_faults(place, row)
+        yield from _home_faults(place, row)
         yield from _mark_faults(place, row, marks)
     for index, row in joints:
         place = f"[[joint]] row {index}"
         yield from _transform_faults(place, row)
         yield from _axis_faults(place, row)
         yield from _limit_faults(place, row)
+        yield from _home_faults(place, row)
         yield from _mark_faults(place, row, marks)
     for kind, rows in (("dh", dh), ("joint", joints)):
         yield from _name_faults(kind, rows)
@@ -127,6 +129,25 @@ def _limit_faults(place: str, row: Mapping[str, Any]) -> Iterator[Fault]:
     lower, upper = (_number(row, stem) for stem in ("lower", "upper"))
     if bounded and lower is not None and upper is not None and lower > upper:
         yield Fault(f"{place}, lower", f"expected lower <= upper, got {lower:g} > {upper:g}")
+
+
+def _home_faults(place: str, row: Mapping[str, Any]) -> Iterator[Fault]:
+    kind = row.get("type")
+    keys = [f"home_{unit}" for unit in _TO_SI if f"home_{unit}" in row]
+    if kind == "fixed" or "mimic" in row:
+        why = "is fixed" if kind == "fixed" else "follows another"
+        for key in keys:
+            yield Fault(f"{place}, {key}", f"the joint {why} and has no value of its own")
+        return
+    units = _LENGTH if kind == "prismatic" else _ANGLE
+    for key in keys:
+        if key.removeprefix("home_") not in units:
+            want = " or ".join(f"home_{unit}" for unit in units)
+            yield Fault(f"{place}, {key}", f"wrong unit for a {kind} joint; expected {want}")
+    yield from _one_unit(place, row, "home", units, required=False)
+    home, lower, upper = (_number(row, stem) for stem in ("home", "lower", "upper"))
+    if home is not None and lower is not None and upper is not None and not lower <= home <= upper:
+        yield Fault(f"{place}, home", f"expected a value within the limits {lower:g} and {upper:g}")
 
 
 def _number(table: Mapping[str, Any], stem: str) -> float | None:

@@ -38,6 +38,8 @@ impl Chain {
     }
 }
 
+/// First link, last link, other tips, locked joints.
+type Ends = (String, String, Vec<String>, Vec<String>);
 type Array<'py> = PyResult<Bound<'py, PyArrayDyn<f64>>>;
 
 #[pymethods]
@@ -82,7 +84,8 @@ impl Chain {
         Ok(Self(Arc::new(build::from_joints(py, frame, &joints)?)))
     }
 
-    /// Build a chain from the text of a URDF.
+    /// Build a chain from the text of a URDF; with it come the names of its first and its last
+    /// link, of other links that the last could be, and of the joints that their limits lock.
     #[staticmethod]
     #[pyo3(signature = (text, base_link=None, tip_link=None))]
     fn from_urdf(
@@ -90,8 +93,10 @@ impl Chain {
         text: &str,
         base_link: Option<&str>,
         tip_link: Option<&str>,
-    ) -> PyResult<Self> {
-        Self::wrap(py, chain::Chain::from_urdf(text, base_link, tip_link))
+    ) -> PyResult<(Self, Ends)> {
+        let made = chain::Chain::from_urdf_with_ends(text, base_link, tip_link);
+        let (chain, ends) = made.map_err(|error| errors::from_core(py, error))?;
+        Ok((Self(Arc::new(chain)), (ends.base, ends.tip, ends.others, ends.locked)))
     }
 
     /// Name of the robot.
@@ -116,6 +121,28 @@ impl Chain {
     #[getter]
     fn joint_types(&self) -> Vec<&str> {
         self.0.variables().iter().map(|v| v.kind.as_str()).collect()
+    }
+
+    /// The joints, fixed ones and followers too, as `from_joints` takes them.
+    fn joints<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        build::specs(py, &self.0)
+    }
+
+    /// Base transform, shape (4, 4), m.
+    #[getter]
+    fn base<'py>(&self, py: Python<'py>) -> Array<'py> {
+        array(py, &[4, 4], build::rows_of(self.0.base()))
+    }
+
+    /// Tool transform, shape (4, 4), m.
+    #[getter]
+    fn tool<'py>(&self, py: Python<'py>) -> Array<'py> {
+        array(py, &[4, 4], build::rows_of(self.0.tool()))
+    }
+
+    /// True for a chain of the same name, joints, links, limits, base and tool.
+    fn same(&self, other: &Self) -> bool {
+        self.0.is_same(&other.0)
     }
 
     /// Smallest values, shape (dof,), rad or m; -inf for continuous joints.
