@@ -100,6 +100,7 @@ ARGUMENTS: dict[str, Any] = {
     "base": np.eye(4),
     "tuning": Tuning(goals=10, evaluations=4, runs=1, refinement=0),
     "weights": (1, 1, 1, 0, 0, 0),
+    "values": {},
     "xyz": np.zeros(3),
 }
 # Those of one callable alone.

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import operator
+import os
 from collections.abc import Collection
+from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
@@ -38,6 +40,16 @@ def text(argument: str, value: object) -> str:
     except UnicodeEncodeError:
         raise ArgumentError(argument, shown(value), "a text in Unicode") from None
     return value
+
+
+def file_path(argument: str, value: object) -> Path:
+    """Return `value`, a text or a path, as a path."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise ArgumentError(argument, shown(value), "a path")
+    path = os.fsdecode(value)
+    if "\0" in path or not path:
+        raise ArgumentError(argument, shown(value), "a path")
+    return Path(text(argument, path))
 
 
 def word(kind: str, value: object, known: Collection[str]) -> str:

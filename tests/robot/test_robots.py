@@ -244,7 +244,7 @@ def test_a_robot_file_can_lie_anywhere(tmp_path: Path) -> None:
         ("UR5", "unknown robot 'UR5'; did you mean 'ur5'?"),
         ("xyz", "unknown robot 'xyz'. Known: cucumber, hydrolek"),
         ("no/such.toml", "'no/such.toml', which is no file"),
-        ("arm.step", "a bundled robot's name or a .toml, .urdf, .xml file, got 'arm.step'"),
+        ("arm.step", "a robot's name or a .toml, .urdf, .xml, .xacro file, got 'arm.step'"),
     ],
 )
 def test_unknown_robots_are_refused(name: str, message: str) -> None:

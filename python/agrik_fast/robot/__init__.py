@@ -582,9 +582,11 @@ class Robot(InverseKinematics):
 
         Examples
         --------
-        >>> Robot.load("tomato").joint_values({"theta2": 0.5}).tolist()
-        [0.0, 0.5, 0.0]
+        >>> Robot.load("ur5").joint_values({"elbow": 0.5}).tolist()
+        [0.0, 0.0, 0.5, 0.0, 0.0, 0.0]
         """
+        if not isinstance(values, Mapping):
+            raise ArgumentError("values", shown(values), "values by joint name")
         q = self.home
         for name, value in values.items():
             word("joint", name, self.joint_names)

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _atomic
+from .._checks import file_path, truth_value
 from .._native import Chain
 from ..errors import AgrikError, ArgumentError, RobotFileError
 from ._definition import Definition
@@ -25,7 +24,8 @@ def write(definition: Definition, chain: Chain, path: str | PathLike[str], *, fo
     """Write a robot; see `agrik_fast.Robot.save`."""
     import tomli_w
 
-    file = Path(os.fsdecode(path))
+    file = file_path("path", path)
+    truth_value("force", force)
     if file.suffix.lower() != ".toml":
         raise ArgumentError("path", repr(str(file)), "the name of a .toml file")
     data = tomli_w.dumps(tables(definition, chain)).encode()
