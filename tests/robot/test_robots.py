@@ -17,6 +17,8 @@ import pytest
 
 import agrik_fast as ik
 import numpy_fk
+from agrik_fast.robot import _compiled, _sources
+from agrik_fast.robot._definition import from_robot_file
 
 GOLDEN = json.loads(
     (Path(__file__).parents[1] / "data" / "golden_kinematics.json").read_text(encoding="utf-8")
@@ -364,3 +366,27 @@ def test_public_names_are_all_there() -> None:
         assert getattr(ik, name) is not None
     with pytest.raises(AttributeError, match="module 'agrik_fast' has no attribute 'robots'"):
         _ = ik.robots  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("name", ik.Robot.names())
+def test_what_stands_beside_a_bundled_file_is_what_the_file_says(name: str) -> None:
+    """`python tools/compile_robots.py` after a change of a file."""
+    path = _sources.BUNDLED / f"{name}.toml"
+    written = path.with_suffix(".json").read_text(encoding="utf-8")
+    assert written == _compiled.text(from_robot_file(path))
+    quick, whole = ik.Robot.load(name), ik.Robot.load(path)
+    assert quick == whole
+    assert (quick.source, quick.provenance, quick.dh) == (whole.source, whole.provenance, whole.dh)
+
+
+def test_a_first_answer_needs_neither_pydantic_nor_what_comes_with_it() -> None:
+    script = (
+        "import sys, numpy as np; from agrik_fast import Robot\n"
+        "assert Robot.load('ur5').ik(np.eye(4)).status.size == 1\n"
+        "print({'pydantic', 'typer', 'rich', 'scipy', 'pyarrow', 'matplotlib', 'tomli_w', "
+        "'importlib.metadata'} & set(sys.modules))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert done.stdout.strip() == "set()"

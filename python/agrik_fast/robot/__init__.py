@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from .. import _native
 from .._checks import FloatArray, float_array, real_number, shown, text, whole_number, word
 from ..errors import ArgumentError
-from . import _sources
+from . import _compiled, _sources
 from ._definition import Definition, from_robot_file, from_urdf
 from ._dh_rows import CONVENTIONS, DhRow, read_table
 from ._inverse import InverseKinematics
@@ -119,7 +119,8 @@ class Robot(InverseKinematics):
                 if link is not None:
                     expected = f"nothing: {source.name} is a robot file, which has one chain"
                     raise ArgumentError(argument, shown(link), expected)
-            robot = cls(from_robot_file(source.path))
+            compiled = _compiled.read(source.path) if source.is_bundled else None
+            robot = cls(compiled or from_robot_file(source.path))
         robot = robot if frame is None else robot.in_frame(frame)
         return robot if tool is None else robot.with_tool(tool)
 

@@ -9,13 +9,15 @@ import os
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from importlib.metadata import EntryPoint, entry_points
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .._files import brief, decode, read_bytes, reading
 from ..errors import AgrikError, ArgumentError, MissingExtraError, UnknownNameError, UrdfError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 __all__ = ["Source", "find", "names", "urdf_text"]
 
@@ -50,11 +52,14 @@ class Source:
         The text of a URDF, if it is none.
     name : str
         What messages call it; empty for a text.
+    is_bundled : bool
+        The file is the package's own.
     """
 
     path: Path | None
     urdf: str | None
     name: str
+    is_bundled: bool = False
 
 
 def bundled_names() -> tuple[str, ...]:
@@ -64,6 +69,9 @@ def bundled_names() -> tuple[str, ...]:
 
 def _installed() -> dict[str, EntryPoint]:
     """Return the robots of other packages; a bundled robot's name stays the bundled one's."""
+    # It takes a while to import, and bundled robots do not need it.
+    from importlib.metadata import entry_points
+
     return {point.name: point for point in entry_points(group=ENTRY_POINTS)}
 
 
@@ -129,7 +137,7 @@ def _kind(value: object) -> str:
 
 def _of_name(name: str) -> Source:
     if name in bundled_names():
-        return Source(BUNDLED / f"{name}.toml", None, f"{name}.toml")
+        return Source(BUNDLED / f"{name}.toml", None, f"{name}.toml", is_bundled=True)
     points = _installed()
     if name in points:
         return _of_path(_entry(points[name]))
