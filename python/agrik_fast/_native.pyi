@@ -5,6 +5,7 @@ and raises the classes of `agrik_fast.errors`. Tasks and solvers are read by the
 fields, so that it knows none of their classes.
 """
 
+from os import PathLike
 from typing import Any, NotRequired, TypedDict, final, type_check_only
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 __all__ = [
     "Branches",
     "Chain",
+    "CsvRows",
     "IkResult",
     "StrawberryArm",
     "TargetSolver",
@@ -21,6 +23,7 @@ __all__ = [
     "__version__",
     "_panic",
     "check_solver",
+    "csv_lines",
     "default_settings",
     "get_num_threads",
     "ik_paced",
@@ -423,6 +426,50 @@ class IkResult:
     @property
     def restarts(self) -> NDArray[np.uint32]:
         """Attempts after the first."""
+
+@final
+class CsvRows:
+    """Rows of a CSV file that are neither blank nor comments."""
+
+    def __new__(cls, path: str | PathLike[str], limit: int) -> CsvRows:
+        """Open a file and read its header; rows of more than `limit` bytes are refused."""
+
+    @property
+    def header(self) -> list[str]:
+        """Names of the columns; none where the file holds no row."""
+
+    def block(
+        self, size: int, bytes: int, numeric: list[int], texts: list[int]
+    ) -> tuple[NDArray[np.float64], list[list[str]], list[int]]:
+        """Read up to `size` rows, fewer where they take more than `bytes` together.
+
+        Parameters
+        ----------
+        size, bytes : int
+            Rows and bytes at most.
+        numeric : list of int
+            Columns to be read as numbers.
+        texts : list of int
+            Columns to be read as texts.
+
+        Returns
+        -------
+        numbers : ndarray, shape (n, k)
+            The numbers.
+        texts : list of list of str
+            The texts, column by column.
+        lines : list of int
+            Line on which each row begins, from 1.
+
+        Raises
+        ------
+        ValueError
+            A field that is no number, a row of another length, bytes that are no text; names
+            row, line and column.
+        """
+
+def csv_lines(columns: list[object]) -> bytes:
+    """Return the lines of columns of one length: arrays of float64, int64, bool, or texts."""
 
 @final
 class StrawberryArm:

@@ -22,6 +22,7 @@ __all__ = [
     "MissingExtraError",
     "RobotFileError",
     "RobotWarning",
+    "SettingsWarning",
     "UnknownNameError",
     "UrdfError",
 ]
@@ -143,6 +144,10 @@ class MissingExtraError(AgrikError, ImportError):
 
 class RobotWarning(UserWarning):
     """Something about a robot that is allowed and seldom meant."""
+
+
+class SettingsWarning(UserWarning):
+    """Something changes the settings of a solver from their usual values."""
 
 
 class GainFileError(AgrikError, ValueError):

@@ -80,7 +80,7 @@ def test_csv_results_look_as_documented(tmp_path: Path) -> None:
         )
     assert (tmp_path / "r.csv").read_text() == (
         "id,s10_m,theta_rad,status,success,position_error_m,orientation_error_rad,"
-        "iterations,restarts\n1,0.1,-1.5,converged,true,2e-09,0.0,5,0\n"
+        "iterations,restarts\n1,0.1,-1.5,converged,true,2e-9,0.0,5,0\n"
     )
 
 

@@ -245,7 +245,8 @@ def test_saved_robots_are_equal_to_what_they_were(name: str, tmp_path: Path) -> 
     assert again.description == robot.description
     assert again.source == robot.source
     assert again.provenance.keys() == {
-        key.replace("_mm", "_m").replace("_deg", "_rad") for key in robot.provenance
+        key.replace("_mm", "_m").replace("_deg", "_rad").replace(".rpy", ".rotation")
+        for key in robot.provenance
     }
     q = robot.random_q(20, seed=1)
     np.testing.assert_array_equal(again.fk(q), robot.fk(q))

@@ -280,7 +280,7 @@ def tune(
     with exit_codes() as kept:
         from ..jobs import RobotChoice
         from ..tuning import Tuning
-        from ._tune import tune_to_file, what_is_kept
+        from ._tune import comparison, tune_to_file, what_is_kept
 
         given = {
             "method": method,
@@ -309,6 +309,8 @@ def tune(
                     f"{success.solved} of {success.goals} goals kept apart are reached "
                     f"(training: {content.training.solved} of {content.training.goals})"
                 )
+            for line in comparison(content, choice, tuning):
+                typer.echo(line)
             typer.echo(f"gains: {output}")
 
 

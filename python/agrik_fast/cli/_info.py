@@ -13,6 +13,7 @@ from .._files import brief
 from .._names import solver_names
 from ..errors import AgrikError
 from ..robot import Robot
+from ._tables import aligned
 
 # Solvers without settings of their own.
 _WITHOUT_CLASS = {"auto": "A closed form where the arm has one, and `lm` where that finds nothing."}
@@ -71,15 +72,7 @@ def describe(robot: Robot) -> str:
 
 def _table(title: str, rows: Sequence[Sequence[str]]) -> str:
     """Return a title and rows in columns, the first one left-aligned."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = [
-        "  ".join(
-            cell.ljust(width) if k == 0 else cell.rjust(width)
-            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
-    return "\n".join([title, *(f"  {line}" for line in lines)])
+    return "\n".join([title, *aligned(rows, indent="  ")])
 
 
 def _joints(robot: Robot) -> str:

@@ -16,8 +16,9 @@ from .._atomic import AtomicFile
 from ..errors import ArgumentError, GainFileError
 from ..jobs import RobotChoice
 from ..solvers.gain_file import GainFile, text, write
-from ..tuning import Report, Tuning, tune
+from ..tuning import Report, Tuning, trials, tune
 from ._exits import say, telling, write_line
+from ._tables import aligned
 from .progress import PLAIN_INTERVAL_S, Bar
 
 __all__ = ["tune_to_file"]
@@ -103,6 +104,18 @@ def tune_to_file(
 
     with reporting(sys.stderr) as report:
         return tune(arm, tuning, checkpoint=checkpoint, resume=resume, report=report, store=store)
+
+
+def comparison(content: GainFile, robot: RobotChoice, tuning: Tuning) -> list[str]:
+    """Return lines that set tuned gains beside the default and the published ones.
+
+    All are tried with the same start, steps and tolerance on the goals kept apart.
+    """
+    rows = [["gains", "solved", "of", "mean steps"]]
+    for name, table in trials(content, robot.load(), tuning).items():
+        mean = "-" if table.mean_iterations is None else f"{table.mean_iterations:.1f}"
+        rows.append([name, str(table.solved), str(table.goals), mean])
+    return aligned(rows)
 
 
 def checkpoint_of(output: Path) -> Path:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from ._csv_rows import CsvRows
 from ._errors import ResultFileError
 from ._ids import check_text, check_width, checked
 from ._parquet import WHAT, check_sizes, open_file
+from ._reader import CHUNK_BYTES
 from ._records import (
     FIXED_COLUMNS,
     METADATA_PREFIX,
@@ -27,13 +28,21 @@ from ._records import (
 
 Columns = dict[str, NDArray[Any]]
 _NO_RESULT = "is not a result file"
-# Lines of a CSV file that are texts at a time.
+# Lines of a CSV file that are read at a time.
 _BLOCK = 65_536
 _TYPES: Mapping[str, Any] = {
     "status": np.int8,
     "success": np.bool_,
     "iterations": np.int32,
     "restarts": np.int32,
+}
+
+
+# Columns of texts, and the texts that may stand in them.
+_WORDS: Mapping[str, Sequence[str]] = {
+    "id": (),
+    "status": STATUS_NAMES,
+    "success": ("false", "true"),
 }
 
 
@@ -95,49 +104,35 @@ Read = tuple[Sequence[str], Columns, dict[str, str]]
 
 
 def _csv(path: Path, refuse: Refusal) -> Read:
-    with reading(refuse, _NO_RESULT):
-        stream = path.open(encoding="utf-8", newline="")
-    with stream:
-        rows = iter(CsvRows(path, stream, refuse))
-        header = next(rows, None)
-        if header is None:
-            raise refuse(f"{_NO_RESULT}: the file is empty")
-        names = header[1]
-        _joints(names, refuse)
-        blocks = list(_csv_blocks(names, rows, refuse))
-    empty = [{name: _column(name, []) for name in names}]
-    joined = {name: np.concatenate([block[name] for block in blocks or empty]) for name in names}
+    rows = CsvRows(path, refuse)
+    names = list(rows.header)
+    if not names:
+        raise refuse(f"{_NO_RESULT}: the file is empty")
+    _joints(names, refuse)
+    words = [names.index(name) for name in _WORDS]
+    numeric = [at for at in range(len(names)) if at not in words]
+    blocks = []
+    while True:
+        numbers, texts, lines = rows.block(_BLOCK, CHUNK_BYTES, numeric, words)
+        columns: Columns = {names[at]: numbers[:, k] for k, at in enumerate(numeric)}
+        for name, column in zip(_WORDS, texts, strict=True):
+            columns[name] = _words(name, column, lines, refuse)
+        blocks.append(columns)
+        if not lines:
+            break
+    joined = {name: np.concatenate([block[name] for block in blocks]) for name in names}
+    for name, kind in _TYPES.items():
+        joined[name] = joined[name].astype(kind)
     return names, joined, {}
 
 
-def _csv_blocks(
-    names: Sequence[str], rows: Iterator[tuple[int, list[str], int]], refuse: Refusal
-) -> Iterator[Columns]:
-    block: list[list[str]] = []
-    id_at = names.index("id")
-    for line, fields, _ in rows:
-        if len(fields) != len(names):
-            raise refuse(f"line {line}: {len(fields)} fields, expected {len(names)}")
-        check_text(fields[id_at], f"line {line}, 'id'", refuse)
-        block.append(fields)
-        if len(block) == _BLOCK:
-            yield _csv_columns(names, block, line, refuse)
-            block = []
-    if block:
-        yield _csv_columns(names, block, line, refuse)
-
-
-def _csv_columns(
-    names: Sequence[str], block: list[list[str]], line: int, refuse: Refusal
-) -> Columns:
-    columns: Columns = {}
-    for name, texts in zip(names, zip(*block, strict=True), strict=True):
-        try:
-            columns[name] = _column(name, texts)
-        except (ValueError, OverflowError) as error:
-            first = line - len(block) + 1
-            raise refuse(f"lines {first} to {line}, '{name}': {shown(str(error))}") from None
-    return columns
+def _words(name: str, texts: list[str], lines: list[int], refuse: Refusal) -> NDArray[Any]:
+    for text, line in zip(texts, lines, strict=True):
+        if name == "id":
+            check_text(text, f"line {line}, 'id'", refuse)
+        elif text not in _WORDS[name]:
+            raise refuse(f"line {line}, '{name}': expected one of {', '.join(_WORDS[name])}")
+    return _column(name, texts)
 
 
 def _column(name: str, texts: Sequence[str]) -> NDArray[Any]:

@@ -465,12 +465,13 @@ class Robot(InverseKinematics):
         return self._chain.jacobian(q)
 
     def with_tool(self, tool: ArrayLike) -> Robot:
-        """Return the same robot with another tool.
+        """Return the same robot with another tool in place of its own.
 
         Parameters
         ----------
         tool : array_like, shape (4, 4)
-            Tool in the last link's frame, m; replaces the present one.
+            Tool in the last link's frame, m; replaces the present one. (The argument `tool`
+            of `ik` is an offset behind the robot's tool instead.)
 
         Returns
         -------

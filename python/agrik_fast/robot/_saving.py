@@ -122,5 +122,7 @@ def _explain(content: dict[str, Any], notes: Mapping[str, str]) -> None:
         for old, new in _IN_SI.items():
             key = key.removesuffix(old) + new if key.endswith(old) else key
         table = places.get(place, {})
+        if key.startswith("rpy") and "rotation" in table:
+            key = "rotation"
         if key in table or any(f"{key}{unit}" in table for unit in _IN_SI.values()):
             table.setdefault("provenance", {})[key] = note

@@ -4,6 +4,7 @@
 mod arms;
 mod convert;
 mod errors;
+mod files;
 mod ik;
 mod result;
 mod robot;
@@ -24,6 +25,10 @@ mod _native {
     use arms::tomato::{TomatoArm, ik_paced};
     #[pymodule_export]
     use errors::_panic;
+    #[pymodule_export]
+    use files::csv_reader::CsvRows;
+    #[pymodule_export]
+    use files::csv_writer::csv_lines;
     #[pymodule_export]
     use ik::branches::Branches;
     #[pymodule_export]
