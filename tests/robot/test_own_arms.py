@@ -374,6 +374,14 @@ def test_masked_poses_from_a_file(tmp_path: Path) -> None:
     assert "six weights" in one_line(run_command("solve", *words, "--task", "masked", "--force"))
 
 
+def test_schemas_are_of_the_files_that_are_read() -> None:
+    for kind, key in (("robot", "joint"), ("gains", "gains")):
+        schema = json.loads(run_command("schema", kind).stdout)
+        assert key in schema["properties"]
+        assert schema["additionalProperties"] is False
+    assert "unknown kind of file 'scenery'" in one_line(run_command("schema", "scenery"))
+
+
 def test_no_warning_for_what_is_bundled() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -232,6 +232,19 @@ def convert(
 
 
 @app.command()
+def schema(
+    kind: Annotated[str, typer.Argument(help="robot or gains.")],
+) -> None:
+    """Print the JSON Schema of a kind of file, for editors."""
+    with exit_codes():
+        from ._schema import json_schema
+
+        text = json_schema(kind)
+        with telling():
+            typer.echo(text)
+
+
+@app.command()
 def tune(
     robot: _options.Robot,
     output: Annotated[Path, typer.Option("--output", "-o", help="Gain file: .toml or .json.")],

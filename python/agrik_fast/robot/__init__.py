@@ -19,7 +19,25 @@ from ._dh_rows import CONVENTIONS, DhRow, read_table
 from ._inverse import InverseKinematics
 from ._path import Path
 
-__all__ = ["DhRow", "Path", "Robot"]
+__all__ = ["DhRow", "Path", "Robot", "file_schema"]
+
+
+def file_schema() -> dict[str, Any]:
+    """Return the JSON Schema of robot files, for editors.
+
+    Returns
+    -------
+    dict
+        The schema.
+
+    Examples
+    --------
+    >>> file_schema()["required"]
+    ['format', 'name']
+    """
+    from ._file import RobotFile
+
+    return RobotFile.model_json_schema()
 
 
 class Robot(InverseKinematics):
