@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _native
-from .._files import Refusal
+from .._files import Refusal, os_reason
 
 ROW_BYTES = 1 << 20
 """Longest row, the lines inside quotes included."""
@@ -58,5 +58,7 @@ class CsvRows:
     def _naming(self) -> Iterator[None]:
         try:
             yield
+        except OSError as error:
+            raise self._refuse(f"cannot be read: {os_reason(error)}") from error
         except ValueError as error:
             raise self._refuse(str(error)) from None
