@@ -1,0 +1,333 @@
+"""A scene: named objects round an arm, and what can be asked of them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field
+from os import PathLike
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .. import _native
+from .._bodies import point, pose_of
+from .._checks import FloatArray, real_number, text, word
+from ..errors import ArgumentError, UnknownNameError
+from ._objects import SceneObject
+from ._queries import Queries
+
+Pair = tuple[str, str]
+
+TOUCH_RADIUS = 0.15
+"""Distance of the tool point from its target within which the target may be touched, m."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """What the tool is to reach, and the objects that may be touched there.
+
+    Parameters
+    ----------
+    point : array_like, shape (3,), m
+        Where the tool point goes, in the frame of the scene.
+    objects : sequence of str
+        Names of the objects that the bodies which may touch a target do not mind near it: a
+        fruit and its stalk.
+
+    Raises
+    ------
+    ArgumentError
+        Not three finite numbers; not names.
+    """
+
+    point: tuple[float, float, float]
+    objects: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "point", point("point", self.point))
+        if isinstance(self.objects, str):
+            raise ArgumentError("objects", repr(self.objects), "a sequence of names")
+        object.__setattr__(self, "objects", tuple(text("objects", name) for name in self.objects))
+
+
+@dataclass(frozen=True)
+class _Content:
+    objects: tuple[SceneObject, ...]
+    targets: dict[str, Target] = field(default_factory=dict)
+    exemptions: tuple[Pair, ...] = ()
+    touch_radius: float = TOUCH_RADIUS
+
+
+class Scene(Queries):
+    """Named objects in one frame, that of an arm's targets; it does not change.
+
+    All lengths are in metres. The frame is the one in which the arm gives its poses.
+
+    Parameters
+    ----------
+    objects : iterable of SceneObject
+        Objects, no two of one name. None: an empty scene, from which everything is
+        infinitely far away.
+    targets : mapping of str to Target, optional
+        Named places that a tool is to reach, with what may be touched there.
+    exemptions : iterable of (body, object), optional
+        Names of a body of the arm and of an object that do not mind each other, at any
+        posture. Those that belong to an arm, wherever it stands, are better kept with the arm
+        (``static_skip`` of a robot file).
+    touch_radius : float, default 0.15, m
+        How near to a target the tool point has to be for the target to be touched.
+
+    Raises
+    ------
+    ArgumentError
+        Two objects of one name, an exemption or a target of an unknown object, a number that
+        is not finite.
+
+    Examples
+    --------
+    >>> from agrik_fast.collision import Capsule, Scene, SceneObject
+    >>> stem = SceneObject.of("stem", Capsule([0.5, 0, 0], [0.5, 0, 2], 0.01), kind="stem")
+    >>> scene = Scene([stem])
+    >>> scene.names
+    ('stem',)
+    """
+
+    __slots__ = ("_colliders", "_content", "_made")
+
+    def __init__(
+        self,
+        objects: Iterable[SceneObject] = (),
+        *,
+        targets: Mapping[str, Target] | None = None,
+        exemptions: Iterable[Pair] = (),
+        touch_radius: float = TOUCH_RADIUS,
+    ) -> None:
+        content = _Content(
+            _checked_objects(objects),
+            dict(targets or {}),
+            tuple(_checked_pair(pair) for pair in exemptions),
+            real_number("touch_radius", touch_radius, 0.0, unit="m"),
+        )
+        names = [one.name for one in content.objects]
+        for where, target in content.targets.items():
+            if not isinstance(target, Target):
+                raise ArgumentError(f"targets of {where!r}", repr(target), "a Target")
+            for name in target.objects:
+                word(f"object of target {where!r}", name, names)
+        for _, name in content.exemptions:
+            word("object of an exemption", name, names)
+        self._content = content
+        self._made: _native.Scene | None = None
+        self._colliders = {}
+
+    # -- what it holds -----------------------------------------------------------------
+
+    @property
+    def objects(self) -> tuple[SceneObject, ...]:
+        """The objects, in order."""
+        return self._content.objects
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the objects, in order."""
+        return tuple(one.name for one in self.objects)
+
+    @property
+    def targets(self) -> Mapping[str, Target]:
+        """The targets by name."""
+        return MappingProxyType(self._content.targets)
+
+    @property
+    def exemptions(self) -> tuple[Pair, ...]:
+        """Names of a body and of an object that do not mind each other."""
+        return self._content.exemptions
+
+    @property
+    def touch_radius(self) -> float:
+        """How near to its target the tool point has to be for it to be touched, m."""
+        return self._content.touch_radius
+
+    def __len__(self) -> int:
+        return len(self.objects)
+
+    def __getitem__(self, name: str) -> SceneObject:
+        word("object", name, self.names)
+        return self.objects[self.names.index(name)]
+
+    def __repr__(self) -> str:
+        solids = sum(map(len, self.objects))
+        return f"Scene({len(self)} objects, {solids} solids)"
+
+    # -- others made of it -------------------------------------------------------------
+
+    def without(self, *names: str) -> Scene:
+        """Return the scene without some objects, and without what refers to them.
+
+        Parameters
+        ----------
+        *names : str
+            Names of objects.
+
+        Returns
+        -------
+        Scene
+
+        Raises
+        ------
+        UnknownNameError
+            No object has that name.
+        """
+        for name in names:
+            word("object", name, self.names)
+        kept = [one for one in self.objects if one.name not in names]
+        targets = {
+            where: Target(target.point, tuple(n for n in target.objects if n not in names))
+            for where, target in self.targets.items()
+        }
+        pairs = [pair for pair in self.exemptions if pair[1] not in names]
+        return Scene(kept, targets=targets, exemptions=pairs, touch_radius=self.touch_radius)
+
+    def with_objects(self, *objects: SceneObject) -> Scene:
+        """Return the scene with more objects.
+
+        Parameters
+        ----------
+        *objects : SceneObject
+            Objects whose names are not in the scene.
+
+        Returns
+        -------
+        Scene
+
+        Raises
+        ------
+        ArgumentError
+            A name is there already.
+        """
+        return Scene(
+            (*self.objects, *objects),
+            targets=self.targets,
+            exemptions=self.exemptions,
+            touch_radius=self.touch_radius,
+        )
+
+    def moved(self, pose: ArrayLike) -> Scene:
+        """Return the scene of a frame that lies at `pose` in another, given in that other.
+
+        Parameters
+        ----------
+        pose : array_like, shape (4, 4), m
+            A rigid transform.
+
+        Returns
+        -------
+        Scene
+
+        Raises
+        ------
+        ArgumentError
+            Not a rigid transform.
+        """
+        turn, shift = pose_of("pose", pose)
+        return Scene(
+            [one.moved(pose) for one in self.objects],
+            targets={
+                where: Target(tuple((turn @ target.point + shift).tolist()), target.objects)
+                for where, target in self.targets.items()
+            },
+            exemptions=self.exemptions,
+            touch_radius=self.touch_radius,
+        )
+
+    # -- files -------------------------------------------------------------------------
+
+    @staticmethod
+    def load(path: str | PathLike[str]) -> Scene:
+        """Read a scene file.
+
+        Parameters
+        ----------
+        path : str or path
+            A ``.json`` or ``.toml`` file; the page on collision describes it.
+
+        Returns
+        -------
+        Scene
+            In metres, whatever the file's unit.
+
+        Raises
+        ------
+        SceneFileError
+            The file has faults; lists all of them with their places.
+        ArgumentError
+            The path leads to no file of a known kind.
+        """
+        from ._files import load
+
+        return load(path)
+
+    def save(
+        self, path: str | PathLike[str], *, unit: str = "m", about: str = "", force: bool = False
+    ) -> None:
+        """Write a scene file, which appears when it is complete.
+
+        Parameters
+        ----------
+        path : str or path
+            A ``.json`` or ``.toml`` file.
+        unit : {"m", "mm"}, default "m"
+            Unit of the lengths in it. With "m", reading it gives the same bits again.
+        about : str, optional
+            One line on what it is.
+        force : bool, default False
+            Replace an existing file.
+
+        Raises
+        ------
+        SceneFileError
+            The file cannot be written, or exists already.
+        ArgumentError
+            Another suffix or unit.
+        """
+        from ._files import save
+
+        save(self, path, unit=unit, about=about, force=force)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuilt, (self._content,)
+
+
+def _rebuilt(content: _Content) -> Scene:
+    return Scene(
+        content.objects,
+        targets=content.targets,
+        exemptions=content.exemptions,
+        touch_radius=content.touch_radius,
+    )
+
+
+def _checked_objects(objects: Iterable[SceneObject]) -> tuple[SceneObject, ...]:
+    if not isinstance(objects, Iterable):
+        raise ArgumentError("objects", repr(objects), "an iterable of SceneObject")
+    found = tuple(objects)
+    seen: dict[str, int] = {}
+    twice: list[str] = []
+    for one in found:
+        if not isinstance(one, SceneObject):
+            raise ArgumentError("objects", repr(one), "an iterable of SceneObject")
+        seen[one.name] = seen.get(one.name, 0) + 1
+        if seen[one.name] == 2:
+            twice.append(repr(one.name))
+    if twice:
+        raise ArgumentError("objects", f"the name {', '.join(twice)} twice", "names of their own")
+    return found
+
+
+def _checked_pair(pair: object) -> Pair:
+    try:
+        body, name = pair  # type: ignore[misc]
+    except (TypeError, ValueError):
+        raise ArgumentError("exemptions", repr(pair), "pairs of a body and an object") from None
+    return text("body of an exemption", body), text("object of an exemption", name)
