@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, finite_array, float_array, real_number
+from .._checks import FloatArray, finite_array, float_array, real_number, whole_number, word
 from .._rotations import RIGID_TOLERANCE
 from ..errors import ArgumentError
 
@@ -18,6 +18,7 @@ Rows: TypeAlias = tuple[Point, ...]
 
 LARGEST = 1e9
 """The largest coordinate and size, m: what the compiled core takes."""
+SPLITS = ("equal", "near-cubic")
 _IDENTITY: Rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
@@ -124,7 +125,7 @@ class Capsule:
     def moved(self, pose: ArrayLike) -> Capsule:
         """Return the same shape of a frame that lies at `pose`, shape (4, 4), m."""
         a, b = _moved(*pose_of("pose", pose), [self.a, self.b])
-        return Capsule(a, b, self.radius)  # type: ignore[arg-type]
+        return Capsule(a, b, self.radius)
 
 
 @dataclass(frozen=True)
@@ -166,33 +167,69 @@ class Box:
         centre, axes = _moved(turn, shift, self.centre), turn @ np.array(self.rotation)
         return Box(centre, self.half, axes, self.radius)  # type: ignore[arg-type]
 
-    def spheres(self, level: int) -> tuple[Sphere, ...]:
-        """Return the paper's cover: 8**level spheres, each round one of as many equal cells.
 
-        No point of the box is outside them, and none of theirs is farther from the box than
-        (\\|half\\| - min(half)) / 2**level.
+@dataclass(frozen=True)
+class Cover:
+    r"""A box that meets the objects of a scene as spheres that cover it, as in the paper.
 
-        Parameters
-        ----------
-        level : int
-            0 to 3.
+    Level k has 8**k spheres, each round one of as many cells of the box. No point of the box
+    is outside of them, and with equal cells none of theirs is farther from the box than
+    (\|half\| - min(half)) / 2**k. Other bodies meet the box itself.
 
-        Returns
-        -------
-        tuple of Sphere
+    Parameters
+    ----------
+    centre : array_like, shape (3,), m
+    half : array_like, shape (3,), m
+        Half lengths along its own axes, above 0.
+    rotation : array_like, shape (3, 3), optional
+        Its axes as columns; default those of the frame.
+    level : int, default 3
+        0 to 3.
+    split : {"equal", "near-cubic"}
+        Cells like the box, or ones that halve the longest side.
 
-        References
-        ----------
-        Van Henten et al. (2010), appendix A.
-        """
-        if isinstance(level, bool) or level not in (0, 1, 2, 3):
-            raise ArgumentError("level", repr(level), "0, 1, 2 or 3")
-        cells = 2**level
-        steps = (2 * np.arange(cells) + 1) / cells - 1
-        grid = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1).reshape(-1, 3)
-        centres = self.centre + grid * self.half @ np.array(self.rotation).T
-        radius = math.hypot(*self.half) / cells + self.radius
-        return tuple(Sphere(centre, radius) for centre in centres)
+    Raises
+    ------
+    ArgumentError
+        As for `Box`; another level or way to split.
+
+    References
+    ----------
+    Van Henten et al. (2010), appendix A.
+    """
+
+    centre: Point
+    half: Point
+    rotation: Rows = _IDENTITY
+    level: int = 3
+    split: str = "equal"
+
+    def __post_init__(self) -> None:
+        box = Box(self.centre, self.half, self.rotation)
+        if min(box.half) <= 0.0:
+            raise ArgumentError("half", str(list(box.half)), "half lengths > 0 m")
+        object.__setattr__(self, "centre", box.centre)
+        object.__setattr__(self, "half", box.half)
+        object.__setattr__(self, "rotation", box.rotation)
+        object.__setattr__(self, "level", whole_number("level", self.level, 0, 3))
+        word("split", self.split, SPLITS)
+
+    @property
+    def box(self) -> Box:
+        """The box that is covered."""
+        return Box(self.centre, self.half, self.rotation)
+
+    @property
+    def overestimate(self) -> float | None:
+        """How far a sphere reaches out of the box at most, m; None for near-cubic cells."""
+        if self.split != "equal":
+            return None
+        return float((math.hypot(*self.half) - min(self.half)) / 2**self.level)
+
+    def moved(self, pose: ArrayLike) -> Cover:
+        """Return the same shape of a frame that lies at `pose`, shape (4, 4), m."""
+        box = self.box.moved(pose)
+        return Cover(box.centre, box.half, box.rotation, self.level, self.split)
 
 
 @dataclass(frozen=True)
@@ -271,10 +308,10 @@ class HalfSpace:
         """Return the same shape of a frame that lies at `pose`, shape (4, 4), m."""
         turn, shift = pose_of("pose", pose)
         normal = turn @ np.array(self.normal)
-        return HalfSpace(normal, self.offset + float(normal @ shift))  # type: ignore[arg-type]
+        return HalfSpace(normal, self.offset + float(normal @ shift))
 
 
-BodyShape: TypeAlias = Sphere | Capsule | Box | Convex
+BodyShape: TypeAlias = Sphere | Capsule | Box | Convex | Cover
 """What a body can be."""
 
 Shape: TypeAlias = Sphere | Capsule | Box | Convex | HalfSpace

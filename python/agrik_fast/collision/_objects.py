@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .._bodies import Box, Capsule, Convex, HalfSpace, Rows, Shape, Sphere, pose_of
 from .._checks import FloatArray, float_array, text, truth_value
-from .._bodies import Box, Capsule, Convex, HalfSpace, Shape, Sphere, pose_of
 from ..errors import ArgumentError
 from ._rows import CAPSULE, HALFSPACE, SPHERE, RowKind, first_fault
 
@@ -236,15 +236,15 @@ class SceneObject:
         )
 
     def __len__(self) -> int:
-        solids = (self.spheres, self.capsules, self.boxes, self.halfspaces, self.hulls)
-        return sum(map(len, solids))
+        rows = (self.spheres, self.capsules, self.boxes, self.halfspaces)
+        return sum(len(one) for one in rows) + len(self.hulls)
 
     def __repr__(self) -> str:
         what = f", kind={self.kind!r}" if self.kind else ""
         return f"SceneObject({self.name!r}{what}, {len(self)} solids)"
 
 
-def _three_by_three(values: Sequence[float]) -> tuple[tuple[float, float, float], ...]:
+def _three_by_three(values: Sequence[float]) -> Rows:
     a, b, c, d, e, f, g, h, i = values
     return (a, b, c), (d, e, f), (g, h, i)
 
@@ -257,7 +257,7 @@ def _checked_boxes(name: str, value: ArrayLike) -> FloatArray:
         raise ArgumentError(f"boxes of {name!r}", f"shape {array.shape}", "shape (n, 16)")
     for number, row in enumerate(array, start=1):
         try:
-            Box(row[:3], row[3:6], row[6:15].reshape(3, 3), float(row[15]))  # type: ignore[arg-type]
+            Box(row[:3], row[3:6], row[6:15].reshape(3, 3), float(row[15]))
         except ArgumentError as error:
             place = f"boxes of {name!r}, row {number}, {error.argument}"
             raise ArgumentError(place, error.received, error.expected) from None

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks import FloatArray
 from .._bodies import LARGEST
+from .._checks import FloatArray
 
 
 @dataclass(frozen=True)

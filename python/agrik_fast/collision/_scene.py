@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import _native
 from .._bodies import point, pose_of
-from .._checks import FloatArray, real_number, text, word
-from ..errors import ArgumentError, UnknownNameError
+from .._checks import real_number, shown, text, word
+from ..errors import ArgumentError
 from ._objects import SceneObject
 from ._queries import Queries
 
@@ -47,8 +45,9 @@ class Target:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "point", point("point", self.point))
-        if isinstance(self.objects, str):
-            raise ArgumentError("objects", repr(self.objects), "a sequence of names")
+        names: object = self.objects
+        if isinstance(names, str) or not isinstance(names, Iterable):
+            raise ArgumentError("objects", shown(names), "a sequence of names")
         object.__setattr__(self, "objects", tuple(text("objects", name) for name in self.objects))
 
 
@@ -58,6 +57,7 @@ class _Content:
     targets: dict[str, Target] = field(default_factory=dict)
     exemptions: tuple[Pair, ...] = ()
     touch_radius: float = TOUCH_RADIUS
+    target: str | None = None
 
 
 class Scene(Queries):
@@ -94,7 +94,9 @@ class Scene(Queries):
     ('stem',)
     """
 
-    __slots__ = ("_colliders", "_content", "_made")
+    __slots__ = ("_content",)
+
+    _content: _Content
 
     def __init__(
         self,
@@ -119,7 +121,7 @@ class Scene(Queries):
         for _, name in content.exemptions:
             word("object of an exemption", name, names)
         self._content = content
-        self._made: _native.Scene | None = None
+        self._made = None
         self._colliders = {}
 
     # -- what it holds -----------------------------------------------------------------
@@ -149,6 +151,11 @@ class Scene(Queries):
         """How near to its target the tool point has to be for it to be touched, m."""
         return self._content.touch_radius
 
+    @property
+    def target(self) -> str | None:
+        """Name of the target that is aimed at; None for none."""
+        return self._content.target
+
     def __len__(self) -> int:
         return len(self.objects)
 
@@ -161,6 +168,33 @@ class Scene(Queries):
         return f"Scene({len(self)} objects, {solids} solids)"
 
     # -- others made of it -------------------------------------------------------------
+
+    def aiming_at(self, target: str | None) -> Scene:
+        """Return the scene with one target that may be touched.
+
+        While the tool point is no farther from the target than `touch_radius`, the bodies of
+        ``may_touch_target`` (those of a gripper) do not mind the target's objects. Farther
+        away, and without a target, they are obstacles like others.
+
+        Parameters
+        ----------
+        target : str or None
+            A name out of `targets`; None aims at nothing.
+
+        Returns
+        -------
+        Scene
+
+        Raises
+        ------
+        UnknownNameError
+            No target has that name.
+        """
+        if target is not None:
+            word("target", target, self.targets)
+        aimed = _rebuilt(replace(self._content, target=target))
+        aimed._made = self._made
+        return aimed
 
     def without(self, *names: str) -> Scene:
         """Return the scene without some objects, and without what refers to them.
@@ -206,12 +240,7 @@ class Scene(Queries):
         ArgumentError
             A name is there already.
         """
-        return Scene(
-            (*self.objects, *objects),
-            targets=self.targets,
-            exemptions=self.exemptions,
-            touch_radius=self.touch_radius,
-        )
+        return self._changed(objects=(*self.objects, *objects))
 
     def moved(self, pose: ArrayLike) -> Scene:
         """Return the scene of a frame that lies at `pose` in another, given in that other.
@@ -231,15 +260,16 @@ class Scene(Queries):
             Not a rigid transform.
         """
         turn, shift = pose_of("pose", pose)
-        return Scene(
-            [one.moved(pose) for one in self.objects],
+        return self._changed(
+            objects=tuple(one.moved(pose) for one in self.objects),
             targets={
                 where: Target(tuple((turn @ target.point + shift).tolist()), target.objects)
                 for where, target in self.targets.items()
             },
-            exemptions=self.exemptions,
-            touch_radius=self.touch_radius,
         )
+
+    def _changed(self, **changes: Any) -> Scene:
+        return _rebuilt(replace(self._content, **changes))
 
     # -- files -------------------------------------------------------------------------
 
@@ -300,23 +330,25 @@ class Scene(Queries):
 
 
 def _rebuilt(content: _Content) -> Scene:
-    return Scene(
+    scene = Scene(
         content.objects,
         targets=content.targets,
         exemptions=content.exemptions,
         touch_radius=content.touch_radius,
     )
+    scene._content = content
+    return scene
 
 
 def _checked_objects(objects: Iterable[SceneObject]) -> tuple[SceneObject, ...]:
     if not isinstance(objects, Iterable):
-        raise ArgumentError("objects", repr(objects), "an iterable of SceneObject")
+        raise ArgumentError("objects", shown(objects), "an iterable of SceneObject")
     found = tuple(objects)
     seen: dict[str, int] = {}
     twice: list[str] = []
     for one in found:
         if not isinstance(one, SceneObject):
-            raise ArgumentError("objects", repr(one), "an iterable of SceneObject")
+            raise ArgumentError("objects", shown(one), "an iterable of SceneObject")
         seen[one.name] = seen.get(one.name, 0) + 1
         if seen[one.name] == 2:
             twice.append(repr(one.name))
@@ -326,8 +358,6 @@ def _checked_objects(objects: Iterable[SceneObject]) -> tuple[SceneObject, ...]:
 
 
 def _checked_pair(pair: object) -> Pair:
-    try:
-        body, name = pair  # type: ignore[misc]
-    except (TypeError, ValueError):
-        raise ArgumentError("exemptions", repr(pair), "pairs of a body and an object") from None
-    return text("body of an exemption", body), text("object of an exemption", name)
+    if isinstance(pair, str) or not isinstance(pair, Iterable) or len(both := tuple(pair)) != 2:
+        raise ArgumentError("exemptions", shown(pair), "pairs of a body and an object")
+    return text("body of an exemption", both[0]), text("object of an exemption", both[1])

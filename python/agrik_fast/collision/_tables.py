@@ -342,7 +342,7 @@ def _box(
         isinstance(turn, list) and len(turn) == 3 and all(_is_row(row, 3) for row in turn)
     ):
         return None
-    rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)) if turn is None else turn
+    rows: list[list[float]] = np.eye(3).tolist() if turn is None else turn
     try:
         middle, halves = numbers_in(centre, scale), numbers_in(half, scale)
         Box(middle, halves, rows, float(numbers_in(radius, scale)))  # type: ignore[arg-type]
