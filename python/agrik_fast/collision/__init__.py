@@ -2,6 +2,7 @@
 
 from .._bodies import (
     Body,
+    BodyShape,
     Box,
     Capsule,
     CollisionRules,
@@ -22,6 +23,7 @@ from ._scene import Scene, Target
 
 __all__ = [
     "Body",
+    "BodyShape",
     "Box",
     "Capsule",
     "Cloud",

@@ -298,6 +298,8 @@ def _csv(data: bytes, refuse: Refusal) -> Columns:
         ]
     if not rows:
         raise refuse("is empty, expected a line of names")
+    if len(rows) == 1:
+        raise refuse("holds no points")
     names = [field.strip().lower() for field in rows[0][1]]
     twice = {name for name in names if name and names.count(name) > 1}
     if twice:
@@ -317,9 +319,11 @@ def _csv(data: bytes, refuse: Refusal) -> Columns:
 
 def _column(name: str, fields: list[str], lines: list[int], refuse: Refusal) -> NDArray[Any]:
     if name in _LABEL and not all(field.lstrip("-").isdigit() for field in fields):
-        return np.array(fields, dtype=str) if fields else np.zeros(0, dtype="U1")
+        if "" in fields:
+            raise refuse(f"line {lines[fields.index('')]}: expected a label, got nothing")
+        return np.array(fields, dtype=str)
     try:
-        return np.array(fields, dtype=str).astype(np.float64) if fields else np.zeros(0)
+        return np.array(fields, dtype=str).astype(np.float64)
     except ValueError:
         for number, field in zip(lines, fields, strict=True):
             try:

@@ -215,13 +215,16 @@ class Scene(Queries):
         """
         for name in names:
             word("object", name, self.names)
-        kept = [one for one in self.objects if one.name not in names]
+        gone = set(names)
         targets = {
-            where: Target(target.point, tuple(n for n in target.objects if n not in names))
+            where: Target(target.point, tuple(n for n in target.objects if n not in gone))
             for where, target in self.targets.items()
         }
-        pairs = [pair for pair in self.exemptions if pair[1] not in names]
-        return Scene(kept, targets=targets, exemptions=pairs, touch_radius=self.touch_radius)
+        return self._changed(
+            objects=tuple(one for one in self.objects if one.name not in gone),
+            targets=targets,
+            exemptions=tuple(pair for pair in self.exemptions if pair[1] not in gone),
+        )
 
     def with_objects(self, *objects: SceneObject) -> Scene:
         """Return the scene with more objects.
