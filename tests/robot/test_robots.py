@@ -17,7 +17,7 @@ import pytest
 
 import agrik_fast as ik
 import numpy_fk
-from agrik_fast.robot import _compiled, _sources
+from agrik_fast.robot import _prepared, _sources
 from agrik_fast.robot._definition import from_robot_file
 
 GOLDEN = json.loads(
@@ -416,10 +416,10 @@ def test_public_names_are_all_there() -> None:
 
 @pytest.mark.parametrize("name", ik.Robot.names())
 def test_what_stands_beside_a_bundled_file_is_what_the_file_says(name: str) -> None:
-    """`python tools/compile_robots.py` after a change of a file."""
+    """`python tools/prepare_robots.py` after a change of a file."""
     path = _sources.BUNDLED / f"{name}.toml"
     written = path.with_suffix(".json").read_text(encoding="utf-8")
-    assert written == _compiled.text(from_robot_file(path))
+    assert written == _prepared.text(from_robot_file(path))
     quick, whole = ik.Robot.load(name), ik.Robot.load(path)
     assert quick == whole
     assert (quick.source, quick.provenance, quick.dh) == (whole.source, whole.provenance, whole.dh)

@@ -115,6 +115,20 @@ def solve(
     threads: Annotated[
         int | None, typer.Option(min=1, help="Threads; by default all cores.")
     ] = None,
+    scene: Annotated[
+        Path | None,
+        typer.Option(help="Scene that answers must not hit: a .json or .toml scene file."),
+    ] = None,
+    clear: Annotated[
+        float, typer.Option(help="Scene: distance in metres that answers keep from it.")
+    ] = 0.0,
+    prefer: Annotated[
+        str, typer.Option(help="Scene: which of several free postures: first, near or clearance.")
+    ] = "first",
+    aim: Annotated[
+        str | None,
+        typer.Option(help="Scene: name of the target in it that the gripper may touch."),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing result.")] = False,
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 3 unless every row is solved.")
@@ -129,7 +143,14 @@ def solve(
     """
     with exit_codes() as kept:
         from ..jobs import SolveRequest
-        from ._solve import parse_axis, parse_values, parse_word, solve_words
+        from ._solve import (
+            load_scene,
+            parse_axis,
+            parse_preference,
+            parse_values,
+            parse_word,
+            solve_words,
+        )
         from .progress import for_stream
         from .summary import print_summaries
 
@@ -153,6 +174,10 @@ def solve(
             q0=None if q0 is None else parse_values("--q0", q0),
             mask=None if mask is None else _options.numbers("--mask", mask, (6,)),
             mask_frame=parse_word("--mask-frame", mask_frame, ("base", "tool")),
+            scene=load_scene(scene, aim),
+            scene_name="" if scene is None else scene.name,
+            clear=clear,
+            prefer=parse_preference(prefer),
         )
         summary = solve_words(request, for_stream(sys.stderr))
         kept.what = lambda: f"results: {output}"
@@ -173,17 +198,32 @@ def info(
     tip_link: _options.TipLink = None,
     tool: _options.Tool = None,
     frame: _options.Frame = None,
+    body: Annotated[
+        bool, typer.Option("--body", help="Print its bodies for collisions instead.")
+    ] = False,
+    self_pairs: Annotated[
+        bool,
+        typer.Option(
+            "--self-pairs",
+            help="Print which bodies may hit each other, and why others are left out.",
+        ),
+    ] = False,
 ) -> None:
     """Print a robot's joints, limits, reach, DH rows and source."""
     with exit_codes():
         from ..jobs import RobotChoice
-        from ._info import describe, list_robots
+        from ._info import about_collisions, describe, list_robots, no_robot
 
+        if robot is None and (body or self_pairs):
+            raise no_robot()
         if robot is None:
             text = list_robots()
         else:
-            choice = RobotChoice(robot, base_link, tip_link, _options.tool(tool), frame)
-            text = describe(choice.load())
+            arm = RobotChoice(robot, base_link, tip_link, _options.tool(tool), frame).load()
+            if body or self_pairs:
+                text = about_collisions(arm, body=body, self_pairs=self_pairs)
+            else:
+                text = describe(arm)
         with telling():
             typer.echo(text)
 

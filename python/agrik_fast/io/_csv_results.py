@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from .._native import csv_lines
-from ._records import FIXED_COLUMNS, STATUS_NAMES, ResultChunk, ResultLayout
+from ._records import STATUS_NAMES, ResultChunk, ResultLayout, scene_columns
 from ._writer import ResultWriter
 
 
@@ -19,25 +19,26 @@ class CsvWriter(ResultWriter):
     def __init__(self, path: Path, layout: ResultLayout, *, force: bool) -> None:
         super().__init__(path, layout, force=force)
         head = io.StringIO()
-        names = ["id", *layout.joint_columns, *FIXED_COLUMNS]
-        csv.writer(head, lineterminator="\n").writerow(names)
+        csv.writer(head, lineterminator="\n").writerow(layout.columns)
         self._file.stream.write(head.getvalue().encode())
 
     def _write(self, chunk: ResultChunk) -> None:
         ids = chunk.ids.tolist() if chunk.ids.dtype.kind == "U" else chunk.ids.astype(np.int64)
-        lines = csv_lines(
-            [
-                ids,
-                *(np.ascontiguousarray(column) for column in chunk.q.T),
-                [STATUS_NAMES[code] for code in chunk.status.tolist()],
-                chunk.success,
-                chunk.position_error,
-                chunk.orientation_error,
-                chunk.iterations.astype(np.int64),
-                chunk.restarts.astype(np.int64),
-            ]
-        )
-        self._file.stream.write(lines)
+        columns = [
+            ids,
+            *(np.ascontiguousarray(column) for column in chunk.q.T),
+            [STATUS_NAMES[code] for code in chunk.status.tolist()],
+            chunk.success,
+            chunk.position_error,
+            chunk.orientation_error,
+            chunk.iterations.astype(np.int64),
+            chunk.restarts.astype(np.int64),
+        ]
+        scene = scene_columns(self.layout, chunk)
+        if scene is not None:
+            clearance, body, thing = scene
+            columns += [clearance, body.tolist(), thing.tolist()]
+        self._file.stream.write(csv_lines(columns))
 
     def _finish(self) -> None:
         pass

@@ -23,7 +23,7 @@ from ..io import (
     read_targets,
 )
 from ..result import IkResult
-from ..robot import Robot
+from ..robot import Prefer, Robot, SceneOf
 from ..tasks import Axis, Masked
 from ._pipeline import Pipeline, Solve
 from ._progress import Progress, Silent
@@ -75,6 +75,14 @@ class SolveRequest:
         `agrik_fast.tasks.Masked`.
     mask_frame : {"base", "tool"}
         Frame in which they are counted.
+    scene : Scene, optional
+        What answers must not hit, as for `Robot.ik`.
+    scene_name : str
+        What the results call the scene.
+    clear : float, m
+        Distance that answers keep from it.
+    prefer : {"first", "near", "clearance"}
+        Which of several free postures.
     """
 
     robot: str
@@ -89,6 +97,10 @@ class SolveRequest:
     seed: int = 0
     threads: int | None = None
     force: bool = False
+    scene: SceneOf | None = None
+    scene_name: str = ""
+    clear: float = 0.0
+    prefer: Prefer = "first"
     base_link: str | None = None
     tip_link: str | None = None
     tool: tuple[float, ...] | None = None
@@ -173,6 +185,7 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
         ResultLayout.joint_names(robot.joint_names, robot.joint_types),
         reader.has_text_ids,
         _metadata(request, robot, task_name),
+        _name_letters(robot, request),
     )
     work = Pipeline(reader.chunks(), _solver(robot, task, request))
     with open_results(request.output, layout, force=request.force) as writer, progress:
@@ -187,14 +200,14 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
                 summary.add(piece)
                 progress.advance(len(piece))
                 if waiting and _id_bytes([*waiting, piece]) > WRITE_ID_BYTES:
-                    writer.write(_joined(waiting))
+                    writer.write(ResultChunk.joined(waiting))
                     waiting.clear()
                 waiting.append(piece)
                 if sum(map(len, waiting)) >= WRITE_ROWS:
-                    writer.write(_joined(waiting))
+                    writer.write(ResultChunk.joined(waiting))
                     waiting.clear()
         if waiting:
-            writer.write(_joined(waiting))
+            writer.write(ResultChunk.joined(waiting))
     summary.solve_s = work.solve_s
     summary.total_s = time.perf_counter() - started
     return summary
@@ -212,9 +225,20 @@ def _solver(robot: Robot, task: str | Axis | Masked, request: SolveRequest) -> S
             position_tolerance=request.position_tolerance,
             orientation_tolerance=request.orientation_tolerance,
             first_index=first_index,
+            scene=request.scene,
+            clear=request.clear,
+            prefer=request.prefer,
         )
 
     return solve
+
+
+def _name_letters(robot: Robot, request: SolveRequest) -> int:
+    """Return the letters of the longest name of a body or an object; 0 without a scene."""
+    if request.scene is None:
+        return 0
+    collider = request.scene.collider(robot)
+    return max(1, *map(len, (*collider.bodies.names, *collider.scene.names)))
 
 
 def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
@@ -233,6 +257,10 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
         values["q0"] = _words(request.q0)
     if request.mask is not None:
         values["mask"] = f"{_words(request.mask)} in the {request.mask_frame}'s frame"
+    if request.scene is not None:
+        values["scene"] = request.scene_name
+        values["clear_m"] = repr(request.clear)
+        values["prefer"] = request.prefer
     if task == "axis":
         values["tool_axis"] = _words(request.tool_axis)
         where = request.direction
@@ -247,12 +275,3 @@ def _words(vector: tuple[float, ...]) -> str:
 def _id_bytes(pieces: list[ResultChunk]) -> int:
     """Return the bytes of the pieces' ids once they are joined, all as wide as the widest."""
     return sum(map(len, pieces)) * max(piece.ids.dtype.itemsize for piece in pieces)
-
-
-def _joined(pieces: list[ResultChunk]) -> ResultChunk:
-    if len(pieces) == 1:
-        return pieces[0]
-    names = ResultChunk.__dataclass_fields__
-    return ResultChunk(
-        **{name: np.concatenate([getattr(piece, name) for piece in pieces]) for name in names}
-    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 from .. import _native
 from .._checks import FloatArray, float_array, real_number, shown, text, whole_number, word
 from ..errors import ArgumentError
-from . import _compiled, _sources
-from ._definition import Definition, from_robot_file, from_urdf
+from . import _prepared, _sources
+from ._collision import CollisionBodies
+from ._definition import Definition, UrdfSolids, from_robot_file, from_urdf, urdf_solids
 from ._dh_rows import CONVENTIONS, DhRow, read_table
 from ._inverse import InverseKinematics
 from ._path import Path
@@ -40,7 +41,7 @@ def file_schema() -> dict[str, Any]:
     return RobotFile.model_json_schema()
 
 
-class Robot(InverseKinematics):
+class Robot(InverseKinematics, CollisionBodies):
     """A serial arm: joints with limits, a base and a tool transform.
 
     Make one with `Robot.load`, `Robot.from_dh` or `Robot.from_urdf`. A robot never
@@ -62,7 +63,7 @@ class Robot(InverseKinematics):
     (True, True)
     """
 
-    __slots__ = ("_chain", "_definition")
+    __slots__ = ("_chain",)
 
     def __init__(self, definition: Definition, chain: _native.Chain | None = None) -> None:
         if not isinstance(definition, Definition):
@@ -71,6 +72,7 @@ class Robot(InverseKinematics):
             )
         self._definition = definition
         self._chain = definition.build() if chain is None else chain
+        self._compiled = None
 
     # -- where robots come from ------------------------------------------------------
 
@@ -131,23 +133,25 @@ class Robot(InverseKinematics):
         """
         source = _sources.find(name_or_path)
         if source.path is None:
-            robot = cls._of_urdf(source, base_link, tip_link)
+            robot = cls._of_urdf(source, base_link, tip_link, UrdfSolids())
         else:
             for argument, link in (("base_link", base_link), ("tip_link", tip_link)):
                 if link is not None:
                     expected = f"nothing: {source.name} is a robot file, which has one chain"
                     raise ArgumentError(argument, shown(link), expected)
-            compiled = _compiled.read(source.path) if source.is_bundled else None
-            robot = cls(compiled or from_robot_file(source.path))
+            prepared = _prepared.read(source.path) if source.is_bundled else None
+            robot = cls(prepared or from_robot_file(source.path))
         robot = robot if frame is None else robot.in_frame(frame)
         return robot if tool is None else robot.with_tool(tool)
 
     @classmethod
-    def _of_urdf(cls, source: _sources.Source, base: str | None, tip: str | None) -> Robot:
+    def _of_urdf(
+        cls, source: _sources.Source, base: str | None, tip: str | None, solids: UrdfSolids
+    ) -> Robot:
         for argument, link in (("base_link", base), ("tip_link", tip)):
             if link is not None:
                 text(argument, link)
-        return cls(*from_urdf(source.urdf or "", source.name, base, tip))
+        return cls(*from_urdf(source, base, tip, solids))
 
     @classmethod
     def from_dh(
@@ -226,11 +230,16 @@ class Robot(InverseKinematics):
         path_or_text: str | bytes | PathLike[str],
         base_link: str | None = None,
         tip_link: str | None = None,
+        *,
+        cylinder: Literal["capsule", "convex", "cover"] = "capsule",
+        mesh: Literal["convex", "cover"] = "convex",
+        mesh_folders: Sequence[str | PathLike[str]] = (),
     ) -> Robot:
         """Build a robot from a URDF.
 
-        Joints, origins, axes, limits and mimic rules count; meshes, inertias and
-        transmissions are ignored.
+        Joints, origins, axes, limits and mimic rules count, and ``<collision>`` geometry,
+        which is read when `bodies` are first needed; visuals, inertias and transmissions are
+        ignored.
 
         Parameters
         ----------
@@ -241,6 +250,15 @@ class Robot(InverseKinematics):
             First and last link of the chain. Default: the only root, and the end of the only
             arm: a link named like tool0, tcp or flange, or what the last joint before a hand
             carries. `notes` says what was chosen where there was a choice.
+        cylinder : {"capsule", "convex", "cover"}, default "capsule"
+            What a cylinder becomes for collisions: a capsule, which reaches out of it by its
+            radius at both ends; a prism of 16 sides, by 1.96 % of it; the cover of its box.
+        mesh : {"convex", "cover"}, default "convex"
+            What each mesh of a file becomes: its convex hull, or the cover of its box. Meshes
+            need the extra ``meshes`` (trimesh, SciPy).
+        mesh_folders : sequence of paths, optional
+            Where mesh files are looked for besides the URDF's own folder: folders that hold
+            ROS packages (``package://``), or what relative names begin from.
 
         Returns
         -------
@@ -271,8 +289,8 @@ class Robot(InverseKinematics):
         >>> arm.joint_names
         ('j',)
         """
-        source = _sources.find_urdf(path_or_text)
-        return cls._of_urdf(source, base_link, tip_link)
+        solids = urdf_solids(cylinder, mesh, mesh_folders)
+        return cls._of_urdf(_sources.find_urdf(path_or_text), base_link, tip_link, solids)
 
     @staticmethod
     def names() -> tuple[str, ...]:
@@ -578,6 +596,9 @@ class Robot(InverseKinematics):
         lower = np.where(np.isfinite(self.lower), self.lower, -np.pi)
         upper = np.where(np.isfinite(self.upper), self.upper, np.pi)
         return generator.uniform(lower, upper, (*shape, self.dof))
+
+    def _with(self, definition: Definition) -> Self:
+        return type(self)(definition)
 
     def joint_values(self, values: Mapping[str, float]) -> FloatArray:
         """Return the vector q in which some joints, named, have the given values.

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import _native
-from .._checks import FloatArray
+from .._bodies import CYLINDERS, MESHES, Body, CollisionRules, UrdfGeometry, mesh_places
+from .._checks import FloatArray, shown, word
 from .._files import listing
 from .._warnings import warn
-from ..errors import RobotWarning, UrdfError
+from ..errors import ArgumentError, RobotWarning, UrdfError
 from ._dh_rows import DhRow, DhTable
+from ._sources import Source
 
 if TYPE_CHECKING:
     from .._native import JointSpec
@@ -46,6 +49,13 @@ class Definition:
     notes: tuple[str, ...] = ()
     home: dict[str, float] = field(default_factory=dict)
     """Values of the home posture by joint, as far as they are said."""
+    bodies: tuple[Body, ...] = ()
+    """Bodies that are known; those of a URDF are read when they are asked for."""
+    rules: CollisionRules = field(default_factory=CollisionRules)
+    attached: tuple[Body, ...] = ()
+    """Bodies put on at run time."""
+    urdf: UrdfGeometry | None = None
+    """Where the bodies of a URDF are to be read."""
 
     def build(self) -> _native.Chain:
         """Compile the chain."""
@@ -61,10 +71,43 @@ class Definition:
         return replace(self, **changes)
 
 
+@dataclass(frozen=True)
+class UrdfSolids:
+    """How the solids of a URDF are to be read; see `Robot.from_urdf`."""
+
+    cylinder: str = "capsule"
+    mesh: str = "convex"
+    mesh_folders: tuple[Path, ...] = ()
+
+
+def urdf_solids(
+    cylinder: str, mesh: str, mesh_folders: Sequence[str | PathLike[str]]
+) -> UrdfSolids:
+    """Return how a URDF's solids are to be read.
+
+    Raises
+    ------
+    UnknownNameError
+        An unknown word.
+    ArgumentError
+        Folders that are no paths.
+    """
+    word("cylinder", cylinder, CYLINDERS)
+    word("mesh", mesh, MESHES)
+    if isinstance(mesh_folders, str) or not isinstance(mesh_folders, Iterable):
+        raise ArgumentError("mesh_folders", shown(mesh_folders), "a sequence of paths")
+    try:
+        folders = tuple(Path(fspath(folder)) for folder in mesh_folders)
+    except TypeError:
+        raise ArgumentError("mesh_folders", shown(mesh_folders), "a sequence of paths") from None
+    return UrdfSolids(cylinder, mesh, folders)
+
+
 def from_urdf(
-    text: str, name: str, base_link: str | None, tip_link: str | None
+    source: Source, base_link: str | None, tip_link: str | None, solids: UrdfSolids
 ) -> tuple[Definition, _native.Chain]:
-    """Read a URDF's text; `name` is the file's, for messages."""
+    """Read a URDF."""
+    text, name = source.urdf or "", source.name
     try:
         chain, (base, tip, others, locked) = _native.Chain.from_urdf(text, base_link, tip_link)
     except UrdfError as error:
@@ -78,13 +121,16 @@ def from_urdf(
         words = "joint" if len(locked) == 1 else "joints"
         said = f"{words} {listing(locked)} cannot move: both limits are 0"
         warn(f"{name or chain.name}: {said}", RobotWarning)
-    return Definition("from_urdf", (text, base, tip), notes=tuple(notes)), chain
+    places = mesh_places(source.folder, solids.mesh_folders)
+    urdf = UrdfGeometry(text, name or "URDF", base, places, solids.cylinder, solids.mesh)
+    return Definition("from_urdf", (text, base, tip), notes=tuple(notes), urdf=urdf), chain
 
 
 def from_robot_file(path: Path) -> Definition:
     """Read a robot file."""
     # pydantic takes longer to import than everything else together, and robots made
     # from rows or URDF do not need it.
+    from ._collision_tables import bodies_of
     from ._file import read, source_fields
 
     content = read(path)
@@ -103,6 +149,8 @@ def from_robot_file(path: Path) -> Definition:
         dh=dh,
         frames={name: table.matrix() for name, table in content.frames.items()},
         home=content.home(),
+        bodies=bodies_of(content.collision, content.provenance),
+        rules=content.collision_rules.rules(),
     )
 
 

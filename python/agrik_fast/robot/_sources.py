@@ -54,12 +54,15 @@ class Source:
         What messages call it; empty for a text.
     is_bundled : bool
         The file is the package's own.
+    folder : Path, optional
+        Where meshes are looked for.
     """
 
     path: Path | None
     urdf: str | None
     name: str
     is_bundled: bool = False
+    folder: Path | None = None
 
 
 def bundled_names() -> tuple[str, ...]:
@@ -118,7 +121,7 @@ def find_urdf(given: object) -> Source:
     path = Path(text)
     if not path.is_file():
         raise ArgumentError("path_or_text", f"{text!r}, which is no file", expected)
-    return Source(None, urdf_text(path), path.name)
+    return Source(None, urdf_text(path), path.name, folder=path.parent)
 
 
 def _text(given: object, argument: str, expected: str) -> str | Source:
@@ -174,7 +177,7 @@ def _of_path(path: Path) -> Source:
         raise ArgumentError("name_or_path", f"{str(path)!r}, which is no file", "an existing file")
     if suffix == ".toml":
         return Source(path, None, path.name)
-    return Source(None, urdf_text(path), path.name)
+    return Source(None, urdf_text(path), path.name, folder=path.parent)
 
 
 def urdf_text(path: Path, arguments: dict[str, str] | None = None) -> str:
@@ -252,7 +255,7 @@ def _of_description(name: str) -> Source:
         path = getattr(module, attribute, None)
         if path is not None:
             text = urdf_text(Path(path), dict(getattr(module, "XACRO_ARGS", {})))
-            return Source(None, text, name)
+            return Source(None, text, name, folder=Path(path).parent)
     raise refuse("has no URDF, only other kinds of file")
 
 

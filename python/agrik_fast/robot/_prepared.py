@@ -1,23 +1,28 @@
 """The package's own robot files, read already: JSON beside each TOML, the same numbers.
 
 To check a TOML file takes pydantic, whose import takes longer than everything else that a
-first answer needs. ``tools/compile_robots.py`` writes the JSON, a test compares the two.
+first answer needs. ``tools/prepare_robots.py`` writes the JSON, a test compares the two.
 """
 
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from .._bodies import Body, BodyShape, Box, Capsule, CollisionRules, Convex, Cover, Sphere
 from ._definition import Definition
 from ._dh_rows import DhRow
 
 __all__ = ["read", "text"]
 
 _SUFFIX = ".json"
+_SHAPES: dict[str, Callable[..., BodyShape]] = {
+    shape.__name__: shape for shape in (Sphere, Capsule, Box, Convex, Cover)
+}
 
 
 def read(path: Path) -> Definition | None:
@@ -40,8 +45,16 @@ def read(path: Path) -> Definition | None:
             "dh": None if rows is None else tuple(DhRow(*row) for row in rows),
             "frames": {name: np.array(pose) for name, pose in fields["frames"].items()},
             "notes": tuple(fields["notes"]),
+            "bodies": tuple(_body(body) for body in fields["bodies"]),
+            "rules": CollisionRules(**fields["rules"]),
+            "attached": (),
         }
     )
+
+
+def _body(fields: dict[str, Any]) -> Body:
+    shape = _SHAPES[fields.pop("kind")](**fields.pop("shape"))
+    return Body(**fields, shape=shape)
 
 
 def _arguments(fields: dict[str, Any]) -> tuple[str, tuple[Any, ...]]:
@@ -65,4 +78,9 @@ def text(definition: Definition) -> str:
 def _plain(value: object) -> Any:
     if isinstance(value, np.ndarray):
         return value.tolist()
+    if isinstance(value, Body):
+        kind = type(value.shape).__name__
+        return vars(value) | {"kind": kind, "shape": vars(value.shape)}
+    if isinstance(value, CollisionRules):
+        return vars(value)
     raise TypeError(f"{type(value).__name__} has no place in a bundled robot")
