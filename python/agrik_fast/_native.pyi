@@ -5,7 +5,7 @@ and raises the classes of `agrik_fast.errors`. Tasks and solvers are read by the
 fields, so that it knows none of their classes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any, NotRequired, TypedDict, final, type_check_only
 
@@ -309,6 +309,7 @@ class Chain:
         arm_angle: ArrayLike | None = None,
         position_tolerance: float | None = None,
         orientation_tolerance: float | None = None,
+        locked: Mapping[str, ArrayLike] | None = None,
     ) -> Branches:
         """All branches of a batch of poses; see `agrik_fast.Robot.ik_all`."""
 
