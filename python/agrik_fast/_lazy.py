@@ -17,6 +17,7 @@ MODULE_OF = {
     "Status": "result",
     "UnknownNameError": "errors",
     "UrdfError": "errors",
+    "Warnings": "result",
     "__version__": "_native",
     "get_num_threads": "_native",
     "set_num_threads": "_native",

@@ -5,7 +5,7 @@ and raises the classes of `agrik_fast.errors`. Tasks and solvers are read by the
 fields, so that it knows none of their classes.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from os import PathLike
 from typing import Any, NotRequired, TypedDict, final, type_check_only
 
@@ -27,12 +27,14 @@ __all__ = [
     "Tuner",
     "__version__",
     "_panic",
+    "branches",
     "check_solver",
     "csv_lines",
     "default_settings",
     "get_num_threads",
     "ik_paced",
     "ik_record",
+    "ik_result",
     "set_num_threads",
     "simd_level",
     "solver_names",
@@ -272,6 +274,7 @@ class Chain:
         tool: ArrayLike | None = None,
         position_tolerance: float | None = None,
         orientation_tolerance: float | None = None,
+        recipe: tuple[Any, ...] | None = None,
     ) -> TargetSolver:
         """Make a solver for one target at a time; see `agrik_fast.Robot.solver`."""
 
@@ -349,6 +352,36 @@ class Branches:
     def status(self) -> NDArray[np.uint8]:
         """Codes of `agrik_fast.Status`."""
 
+    def __len__(self) -> int:
+        """Return the number of rows along the first dimension of the targets."""
+
+    def __getitem__(self, key: object) -> Branches:
+        """Return the record of some of the targets, chosen as in a NumPy array of them."""
+
+    def __iter__(self) -> Iterator[Branches]:
+        """Go through the rows along the first dimension of the targets."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the arrays by their names."""
+
+    def to_arrow(self) -> Any:
+        """Return a `pyarrow.Table`: one row a target (of branches: a branch).
+
+        Raises
+        ------
+        MissingExtraError
+            pyarrow is not installed.
+        """
+
+    def to_pandas(self) -> Any:
+        """Return a `pandas.DataFrame` of the same columns.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+
 @final
 class TargetSolver:
     """A solver for one target at a time, from `Robot.solver`.
@@ -382,7 +415,7 @@ class TargetSolver:
 
     @property
     def q(self) -> NDArray[np.float64]:
-        """Joint values, shape (n,), rad or m: one array, overwritten by each call."""
+        """Joint values of the last answer, shape (n,), rad or m; a copy."""
 
     @property
     def success(self) -> bool:
@@ -454,6 +487,71 @@ class IkResult:
         Empty names where there is nothing. Worked out when it is asked for; None without a
         scene.
         """
+
+    @property
+    def warnings(self) -> NDArray[np.uint8]:
+        """Codes of `agrik_fast.Warnings`, shape (...); 0 for none."""
+
+    def __len__(self) -> int:
+        """Return the number of rows along the first dimension of the targets."""
+
+    def __getitem__(self, key: object) -> IkResult:
+        """Return the record of some of the targets, chosen as in a NumPy array of them."""
+
+    def __iter__(self) -> Iterator[IkResult]:
+        """Go through the rows along the first dimension of the targets."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the arrays by their names."""
+
+    def to_arrow(self) -> Any:
+        """Return a `pyarrow.Table`: one row a target (of branches: a branch).
+
+        Raises
+        ------
+        MissingExtraError
+            pyarrow is not installed.
+        """
+
+    def to_pandas(self) -> Any:
+        """Return a `pandas.DataFrame` of the same columns.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+
+    def __bool__(self) -> bool:
+        """Return whether a single target was reached.
+
+        Raises
+        ------
+        ValueError
+            Of several targets, as for NumPy's arrays.
+        """
+
+def ik_result(
+    q: NDArray[np.float64],
+    status: NDArray[np.uint8],
+    position_error: NDArray[np.float64],
+    orientation_error: NDArray[np.float64],
+    iterations: NDArray[np.uint32],
+    restarts: NDArray[np.uint32],
+    warnings: NDArray[np.uint8],
+    clearance: NDArray[np.float64] | None = None,
+    nearest_pair: NDArray[np.object_] | None = None,
+) -> IkResult:
+    """Return the record of arrays that belong together, such as those of another record."""
+
+def branches(
+    q: NDArray[np.float64],
+    valid: NDArray[np.bool_],
+    reached: NDArray[np.bool_],
+    singular: NDArray[np.uint8],
+    status: NDArray[np.uint8],
+) -> Branches:
+    """Return the record of arrays that belong together, such as those of another record."""
 
 @final
 class Scene:

@@ -6,7 +6,7 @@ from enum import IntEnum, IntFlag
 
 from ._native import Branches, IkResult
 
-__all__ = ["Branches", "IkResult", "Singularity", "Status"]
+__all__ = ["Branches", "IkResult", "Singularity", "Status", "Warnings"]
 
 
 class Singularity(IntFlag):
@@ -24,6 +24,13 @@ class Singularity(IntFlag):
 
     WRIST = 4
     """The first and the last axis of the wrist are in line."""
+
+
+class Warnings(IntFlag):
+    """What is worth knowing of an answer, as in ``IkResult.warnings``."""
+
+    STRAIGHTENED = 1
+    """The target's rotation was rounded; the nearest rotation took its place."""
 
 
 class Status(IntEnum):

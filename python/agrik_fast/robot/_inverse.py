@@ -169,9 +169,9 @@ class InverseKinematics:
         ArgumentError
             As for `ik`.
         """
-        return self._chain.solver(
-            task, solver, seed, tool, position_tolerance, orientation_tolerance
-        )
+        tolerances = (position_tolerance, orientation_tolerance)
+        recipe = (_solver, (self, task, solver, seed, tool, *tolerances))
+        return self._chain.solver(task, solver, seed, tool, *tolerances, recipe)
 
     def follow(
         self,
@@ -502,3 +502,23 @@ def _collider(arm: InverseKinematics, scene: SceneOf | Collider | None) -> Colli
     """Return what a scene is to the compiled core: the arm's bodies in it."""
     make = getattr(scene, "collider", None)
     return cast("Collider | None", scene if make is None else make(arm))
+
+
+def _solver(
+    robot: InverseKinematics,
+    task: Task | str | None,
+    solver: Solver | str,
+    seed: int,
+    tool: ArrayLike | None,
+    position_tolerance: float,
+    orientation_tolerance: float,
+) -> TargetSolver:
+    """Make a solver again, as its pickle says."""
+    return robot.solver(
+        task,
+        solver,
+        seed,
+        tool,
+        position_tolerance=position_tolerance,
+        orientation_tolerance=orientation_tolerance,
+    )

@@ -7,6 +7,7 @@ mod convert;
 mod errors;
 mod files;
 mod ik;
+mod records;
 mod result;
 mod robot;
 mod single_use;
@@ -39,11 +40,11 @@ mod _native {
     #[pymodule_export]
     use files::csv_writer::csv_lines;
     #[pymodule_export]
-    use ik::branches::Branches;
+    use ik::branches::{Branches, branches};
     #[pymodule_export]
     use ik::control::TargetSolver;
     #[pymodule_export]
-    use result::{IkResult, statuses};
+    use result::{IkResult, ik_result, statuses};
     #[pymodule_export]
     use robot::chain::Chain;
     #[pymodule_export]

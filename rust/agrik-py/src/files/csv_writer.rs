@@ -52,7 +52,9 @@ impl<'py> Column<'py> {
                 if value.is_nan() { to.write_str("nan") } else { write!(to, "{value:?}") }
             }
             Self::Whole(array) => write!(to, "{}", array.as_array()[row]),
-            Self::Flags(array) => to.write_str(if array.as_array()[row] { "true" } else { "false" }),
+            Self::Flags(array) => {
+                to.write_str(if array.as_array()[row] { "true" } else { "false" })
+            }
             Self::Texts(texts) => {
                 quote(&texts[row], to);
                 Ok(())

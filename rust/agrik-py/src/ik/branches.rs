@@ -6,8 +6,10 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use smallvec::SmallVec;
 
-use crate::convert::copied;
-use crate::result::Column;
+use crate::convert::{copied, shape_text};
+use crate::errors;
+use crate::records::hand_on;
+use crate::result::{Column, column};
 
 /// Every branch of the targets of one `Robot.ik_all` call.
 #[pyclass(frozen, module = "agrik_fast._native")]
@@ -130,8 +132,77 @@ impl Branches {
         }
     }
 
+    fn __len__(slf: &Bound<'_, Self>) -> PyResult<usize> {
+        hand_on(slf, "length", &[])?.extract()
+    }
+
+    /// The record of some of the targets, chosen as in a NumPy array of them.
+    fn __getitem__<'py>(
+        slf: &Bound<'py, Self>,
+        key: Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "take", &[key])
+    }
+
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "iterate", &[])
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "reduce", &[])
+    }
+
+    /// Return the arrays by their names.
+    fn to_dict<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "to_dict", &[])
+    }
+
+    /// Return a `pyarrow.Table`.
+    fn to_arrow<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "to_arrow", &[])
+    }
+
+    /// Return a `pandas.DataFrame`.
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "to_pandas", &[])
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "html_table", &[])
+    }
+
     fn __repr__(&self) -> String {
         let plural = if self.targets == 1 { "" } else { "s" };
         format!("Branches({} target{plural}, {} with a valid branch)", self.targets, self.solved)
     }
+}
+
+/// The record of arrays that belong together, such as those of another record.
+#[pyfunction]
+pub fn branches(
+    q: &Bound<'_, PyAny>,
+    valid: &Bound<'_, PyAny>,
+    reached: &Bound<'_, PyAny>,
+    singular: &Bound<'_, PyAny>,
+    status: &Bound<'_, PyAny>,
+) -> PyResult<Branches> {
+    let (mut wide, q_values) = column("q", q)?;
+    let dof = wide.pop().unwrap_or_default();
+    let (shape, status) = column("status", status)?;
+    let all = closed_form::Branches {
+        branches: wide.last().copied().unwrap_or_default(),
+        q: q_values,
+        valid: column("valid", valid)?.1,
+        reached: column("reached", reached)?.1,
+        singular: column("singular", singular)?.1,
+        status,
+    };
+    let rows: usize = wide.iter().product();
+    let lengths = [all.valid.len(), all.reached.len(), all.singular.len()];
+    if wide.split_last().map(|(_, rest)| rest) != Some(&shape[..]) || lengths != [rows; 3] {
+        let received = format!("shape {}", shape_text(&wide));
+        let expected = format!("branches of targets of shape {}", shape_text(&shape));
+        return Err(errors::argument(q.py(), "q", &received, &expected));
+    }
+    Ok(Branches::new(shape, dof, all, None))
 }

@@ -257,7 +257,7 @@ impl Chain {
     /// Make a solver for one target at a time; see `agrik_fast.Robot.solver`.
     #[pyo3(signature = (
         task=None, solver=None, seed=None, tool=None, position_tolerance=None,
-        orientation_tolerance=None
+        orientation_tolerance=None, recipe=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn solver(
@@ -269,6 +269,7 @@ impl Chain {
         tool: Option<&Bound<'_, PyAny>>,
         position_tolerance: Option<&Bound<'_, PyAny>>,
         orientation_tolerance: Option<&Bound<'_, PyAny>>,
+        recipe: Option<Py<PyAny>>,
     ) -> PyResult<TargetSolver> {
         let none = py.None().into_bound(py);
         let given = Arguments {
@@ -284,7 +285,7 @@ impl Chain {
             first_index: None,
         };
         let options = Options::new(&self.0, &given, true)?;
-        TargetSolver::new(py, Arc::clone(&self.0), solver, options)
+        TargetSolver::new(py, Arc::clone(&self.0), solver, options, recipe)
     }
 
     /// Follow a sequence of targets; see `agrik_fast.Robot.follow`.

@@ -53,17 +53,20 @@ pub(super) fn parse(
         locked: joints.iter().filter(|j| is_locked(j)).map(|j| j.name.clone()).collect(),
     };
     let identity = IsometryMatrix3::identity();
-    let chain = Chain::new(tree.name, joints, identity, identity, None).map_err(|error| match error {
-        Error::Argument { .. } => fault(error.to_string()),
-        other => other,
-    })?;
+    let chain =
+        Chain::new(tree.name, joints, identity, identity, None).map_err(|error| match error {
+            Error::Argument { .. } => fault(error.to_string()),
+            other => other,
+        })?;
     Ok((chain, ends))
 }
 
 /// True for a joint that could move but for its limits, both 0: what files say of joints that
 /// nobody gave limits.
 fn is_locked(joint: &super::Joint) -> bool {
-    joint.kind != super::JointKind::Fixed && joint.mimic.is_none() && (joint.lower, joint.upper) == (0.0, 0.0)
+    joint.kind != super::JointKind::Fixed
+        && joint.mimic.is_none()
+        && (joint.lower, joint.upper) == (0.0, 0.0)
 }
 
 /// The error of a URDF text that does not describe a usable chain.

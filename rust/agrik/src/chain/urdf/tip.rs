@@ -193,7 +193,8 @@ fn rank(link: &str) -> Option<usize> {
     let name = name.strip_suffix("_link").unwrap_or(name);
     let place = |name: &str| {
         NAMES.iter().position(|known| {
-            name.strip_suffix(known).is_some_and(|rest| rest.is_empty() || rest.ends_with(['_', '-']))
+            name.strip_suffix(known)
+                .is_some_and(|rest| rest.is_empty() || rest.ends_with(['_', '-']))
         })
     };
     place(name).or_else(|| place(name.strip_suffix("_frame")?))
