@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 from ..errors import ArgumentError, UnknownNameError
 from ..jobs import Progress, SolveRequest, Summary, solve_file
@@ -14,6 +15,7 @@ _OPTIONS = {
     "task": "--task",
     "position_tolerance": "--tol",
     "orientation_tolerance": "--tol-rad",
+    "tolerance_frame": "--tol-frame",
     "direction": "--direction",
 }
 
@@ -38,6 +40,43 @@ def parse_axis(option: str, text: str) -> tuple[float, float, float]:
     if not all(map(math.isfinite, (x, y, z))) or not any((x, y, z)):
         raise ArgumentError(option, repr(text), "a finite vector that is not zero")
     return (x, y, z)
+
+
+def parse_tolerance(option: str, text: str) -> float | tuple[float, float, float]:
+    """Return the number that "1e-3" names, or the three of "1e-3,1e-3,inf".
+
+    Raises
+    ------
+    ArgumentError
+        For other texts.
+    """
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) == 1:
+        return numbers[0]
+    if len(numbers) != 3:
+        raise ArgumentError(option, repr(text), "one number, or three with commas between them")
+    x, y, z = numbers
+    return (x, y, z)
+
+
+def parse_frame(text: str | None) -> Literal["base", "tool"] | None:
+    """Return the frame of that name.
+
+    Raises
+    ------
+    ArgumentError
+        For other texts.
+    """
+    if text is None:
+        return None
+    if text == "base":
+        return "base"
+    if text == "tool":
+        return "tool"
+    raise ArgumentError("--tol-frame", repr(text), "base or tool")
 
 
 def solve_words(request: SolveRequest, progress: Progress) -> Summary:

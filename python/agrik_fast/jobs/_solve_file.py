@@ -6,6 +6,7 @@ import contextlib
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +34,7 @@ from ._summary import Summary
 WRITE_ROWS = 65_536
 WRITE_ID_BYTES = 32 << 20
 Vector = tuple[float, float, float]
-TASKS = ("position", "pose", "axis")
+TASKS = ("position", "pose", "axis", "position-first")
 
 
 @dataclass(frozen=True)
@@ -46,14 +47,17 @@ class SolveRequest:
         Bundled name or path.
     targets, output : Path
         Files, whose kinds follow from their suffixes.
-    task : {"position", "pose", "axis"}, optional
+    task : {"position", "pose", "axis", "position-first"}, optional
         None: pose if the targets have orientations.
     solver : str
         A solver's name, see `Robot.ik`.
-    position_tolerance : float, m
-        Largest distance between tool point and target; above 0.
-    orientation_tolerance : float, rad
-        Largest angle between tool and target orientation; above 0.
+    position_tolerance : float or tuple of 3 float, m
+        Largest distance between tool point and target, or along each axis; above 0, as for
+        `Robot.ik`.
+    orientation_tolerance : float or tuple of 3 float, rad
+        Largest angle between tool and target orientation, or about each axis; above 0.
+    tolerance_frame : {"base", "tool"}, optional
+        Whose axes these are; None: the base's.
     tool_axis : tuple of 3 float
         Axis task: the axis, in the tool frame.
     direction : tuple of 3 float, optional
@@ -71,8 +75,9 @@ class SolveRequest:
     output: Path
     task: str | None = None
     solver: str = "lm"
-    position_tolerance: float = 1e-6
-    orientation_tolerance: float = 1e-6
+    position_tolerance: float | Vector = 1e-6
+    orientation_tolerance: float | Vector = 1e-6
+    tolerance_frame: Literal["base", "tool"] | None = None
     tool_axis: Vector = (0.0, 0.0, 1.0)
     direction: Vector | None = None
     seed: int = 0
@@ -91,8 +96,9 @@ def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str |
     name = request.task or ("pose" if reader.is_pose else "position")
     if name not in TASKS:
         raise UnknownNameError("task", name, TASKS)
-    if name == "pose" and not reader.is_pose:
-        raise ArgumentError("task", "targets without orientation", "orientations for a pose task")
+    if name in ("pose", "position-first") and not reader.is_pose:
+        expected = f"orientations for a {name} task"
+        raise ArgumentError("task", "targets without orientation", expected)
     if name != "axis":
         if request.direction is not None:
             raise ArgumentError("direction", f"task '{name}'", "task 'axis'")
@@ -127,12 +133,7 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     started = time.perf_counter()
     progress = Silent() if progress is None else progress
     check_result_path(request.output)
-    for name, value in (
-        ("position_tolerance", request.position_tolerance),
-        ("orientation_tolerance", request.orientation_tolerance),
-    ):
-        if not (np.isfinite(value) and value > 0.0):
-            raise ArgumentError(name, repr(value), "a positive number")
+    _check_tolerances(request)
     robot = Robot.load(request.robot)
     reader = read_targets(request.targets)
     if request.output.exists() and request.output.samefile(request.targets):
@@ -168,6 +169,22 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     return summary
 
 
+def _check_tolerances(request: SolveRequest) -> None:
+    """Refuse what `Robot.ik` would refuse, before a file is read."""
+    for name in ("position_tolerance", "orientation_tolerance"):
+        given = getattr(request, name)
+        each = given if isinstance(given, tuple) else (given,)
+        free = len(each) == 3
+        if len(each) not in (1, 3) or not all(
+            value > 0.0 and (free or np.isfinite(value)) for value in each
+        ):
+            expected = "a positive number, or three of which inf frees an axis"
+            raise ArgumentError(name, repr(given), expected)
+    frame: object = request.tolerance_frame
+    if frame not in (None, "base", "tool"):
+        raise ArgumentError("tolerance_frame", repr(frame), "'base' or 'tool'")
+
+
 def _solver(robot: Robot, task: str | Axis, request: SolveRequest) -> Solve:
     def solve(targets: NDArray[np.float64], first_index: int) -> IkResult:
         return robot.ik(
@@ -178,6 +195,7 @@ def _solver(robot: Robot, task: str | Axis, request: SolveRequest) -> Solve:
             threads=request.threads,
             position_tolerance=request.position_tolerance,
             orientation_tolerance=request.orientation_tolerance,
+            tolerance_frame=request.tolerance_frame,
             first_index=first_index,
         )
 
@@ -191,10 +209,12 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
         "targets": request.targets.name,
         "task": task,
         "solver": request.solver,
-        "position_tolerance_m": repr(request.position_tolerance),
-        "orientation_tolerance_rad": repr(request.orientation_tolerance),
+        "position_tolerance_m": _words(request.position_tolerance),
+        "orientation_tolerance_rad": _words(request.orientation_tolerance),
         "seed": str(request.seed),
     }
+    if request.tolerance_frame is not None:
+        values["tolerance_frame"] = request.tolerance_frame
     if task == "axis":
         values["tool_axis"] = _words(request.tool_axis)
         where = request.direction
@@ -202,8 +222,8 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
     return values
 
 
-def _words(vector: Vector) -> str:
-    return ",".join(map(repr, vector))
+def _words(numbers: float | Vector) -> str:
+    return ",".join(map(repr, numbers)) if isinstance(numbers, tuple) else repr(numbers)
 
 
 def _id_bytes(pieces: list[ResultChunk]) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,8 +38,9 @@ class InverseKinematics:
         tool: ArrayLike | None = None,
         threads: int | None = None,
         *,
-        position_tolerance: float = 1e-6,
-        orientation_tolerance: float = 1e-6,
+        position_tolerance: ArrayLike = 1e-6,
+        orientation_tolerance: ArrayLike = 1e-6,
+        tolerance_frame: Literal["base", "tool"] | None = None,
         first_index: int = 0,
     ) -> IkResult:
         """Inverse kinematics of a batch of targets.
@@ -53,7 +54,7 @@ class InverseKinematics:
         ----------
         targets : array_like, shape (..., 4, 4) or (..., 3)
             Poses of the tool, or positions of the tool point, in the base frame; m.
-        task : task or {"position", "pose", "axis"}, optional
+        task : task or {"position", "pose", "axis", "position-first"}, optional
             What counts as reached, see `agrik_fast.tasks`. Default: "pose" for shape
             (..., 4, 4), "position" for (..., 3).
         solver : solver or a name, default "lm"
@@ -71,10 +72,16 @@ class InverseKinematics:
         threads : int, optional
             Number of threads; default as set by `agrik_fast.set_num_threads` or the
             environment variable ``AGRIK_NUM_THREADS``, else one per core.
-        position_tolerance : float, default 1e-6
-            Largest distance between tool point and target, m; above 0.
-        orientation_tolerance : float, default 1e-6
-            Largest angle between tool and target orientation, rad; above 0.
+        position_tolerance : float or array_like, shape (3,), m, default 1e-6
+            Largest distance between tool point and target, or largest error along each of
+            x, y, z; above 0. ``inf`` leaves an axis free.
+        orientation_tolerance : float or array_like, shape (3,), rad, default 1e-6
+            Largest angle between tool and target orientation, or largest error about each
+            of x, y, z (entries of the rotation vector from tool to target); above 0.
+            ``inf`` leaves an axis free.
+        tolerance_frame : {"base", "tool"}, optional
+            Whose axes the three numbers of a tolerance are for: those of the base, or of
+            the tool as it stands. Default: those of a `Masked` task, else of the base.
         first_index : int, default 0
             Index of the first target within a larger batch, so that the pieces of a
             batch get the answers of the whole.
@@ -95,6 +102,22 @@ class InverseKinematics:
             Unknown task or solver; names the nearest.
         KeyboardInterrupt
             Ctrl-C; a long batch stops within a second.
+
+        Examples
+        --------
+        A gripper that may turn freely about its own z axis, and by 5 degrees about the others:
+
+        >>> from agrik_fast import Robot
+        >>> robot = Robot.load("puma560")
+        >>> pose = robot.fk([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+        >>> bool(
+        ...     robot.ik(
+        ...         pose,
+        ...         orientation_tolerance=(0.087, 0.087, float("inf")),
+        ...         tolerance_frame="tool",
+        ...     ).success
+        ... )
+        True
         """
         return self._chain.ik(
             targets,
@@ -107,6 +130,7 @@ class InverseKinematics:
             position_tolerance,
             orientation_tolerance,
             first_index,
+            tolerance_frame,
         )
 
     def solver(
@@ -116,8 +140,9 @@ class InverseKinematics:
         seed: int = 0,
         tool: ArrayLike | None = None,
         *,
-        position_tolerance: float = 1e-6,
-        orientation_tolerance: float = 1e-6,
+        position_tolerance: ArrayLike = 1e-6,
+        orientation_tolerance: ArrayLike = 1e-6,
+        tolerance_frame: Literal["base", "tool"] | None = None,
     ) -> TargetSolver:
         """Make a solver for one target at a time, for control loops.
 
@@ -126,9 +151,9 @@ class InverseKinematics:
 
         Parameters
         ----------
-        task : task or {"position", "pose", "axis"}, default "pose"
+        task : task or {"position", "pose", "axis", "position-first"}, default "pose"
             What counts as reached, see `agrik_fast.tasks`.
-        solver, seed, tool, position_tolerance, orientation_tolerance
+        solver, seed, tool, position_tolerance, orientation_tolerance, tolerance_frame
             As for `ik`; step solvers only.
 
         Returns
@@ -142,7 +167,7 @@ class InverseKinematics:
             As for `ik`.
         """
         return self._chain.solver(
-            task, solver, seed, tool, position_tolerance, orientation_tolerance
+            task, solver, seed, tool, position_tolerance, orientation_tolerance, tolerance_frame
         )
 
     def follow(
@@ -155,8 +180,9 @@ class InverseKinematics:
         tool: ArrayLike | None = None,
         *,
         pull: float = 0.5,
-        position_tolerance: float = 1e-6,
-        orientation_tolerance: float = 1e-6,
+        position_tolerance: ArrayLike = 1e-6,
+        orientation_tolerance: ArrayLike = 1e-6,
+        tolerance_frame: Literal["base", "tool"] | None = None,
     ) -> Path:
         """Follow a sequence of targets, every posture the continuation of the one before.
 
@@ -175,7 +201,7 @@ class InverseKinematics:
             first posture is free.
         max_joint_step : float or array_like, shape (dof,), rad or m, default 0.1
             Largest change of each joint from one target to the next.
-        task, tool, position_tolerance, orientation_tolerance : optional
+        task, tool, position_tolerance, orientation_tolerance, tolerance_frame : optional
             As in `ik`.
         seed : int, default 0
             Seed of the searches, 0 to 2**64 - 1.
@@ -205,6 +231,7 @@ class InverseKinematics:
             tool,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
         )
         steps = np.zeros_like(result.q)
         if len(steps):
@@ -268,8 +295,9 @@ class InverseKinematics:
         threads: int | None = None,
         arm_angle: ArrayLike | None = None,
         *,
-        position_tolerance: float = 1e-6,
-        orientation_tolerance: float = 1e-6,
+        position_tolerance: ArrayLike = 1e-6,
+        orientation_tolerance: ArrayLike = 1e-6,
+        tolerance_frame: Literal["base", "tool"] | None = None,
     ) -> Branches:
         """Every branch of the inverse kinematics of an arm with a closed form.
 
@@ -291,11 +319,10 @@ class InverseKinematics:
             Number of threads, as for `ik`.
         arm_angle : array_like, shape broadcastable to (...), rad, optional
             Arm angle of an S-R-S arm, see `arm_angle`. Default: that of `q0`, or 0.
-        position_tolerance : float, default 1e-6
-            Largest distance between tool point and target, m; above 0. Branches of
-            reachable targets come to rounding; this decides at the edge of the reach.
-        orientation_tolerance : float, default 1e-6
-            Largest angle between tool and target orientation, rad; above 0.
+        position_tolerance, orientation_tolerance, tolerance_frame : optional
+            As for `ik`. Branches of reachable targets come to rounding, so that these
+            decide at the edge of the reach alone: a branch counts that is within the
+            smallest of three numbers, and a proof holds for the whole of them.
 
         Returns
         -------
@@ -329,6 +356,7 @@ class InverseKinematics:
             arm_angle,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
         )
 
     def arm_angle(self, q: ArrayLike) -> FloatArray:
@@ -393,8 +421,9 @@ class InverseKinematics:
         tool: ArrayLike | None = None,
         threads: int | None = None,
         *,
-        position_tolerance: float = 1e-6,
-        orientation_tolerance: float = 1e-6,
+        position_tolerance: ArrayLike = 1e-6,
+        orientation_tolerance: ArrayLike = 1e-6,
+        tolerance_frame: Literal["base", "tool"] | None = None,
         first_index: int = 0,
     ) -> Iterator[IkResult]:
         """Inverse kinematics of a stream of chunks, for more targets than memory holds.
@@ -407,7 +436,9 @@ class InverseKinematics:
         ----------
         chunks : iterable of array_like, each of shape (..., 4, 4) or (..., 3)
             Targets as for `ik`; some tens of thousands in a chunk keep all cores busy.
-        task, solver, seed, tool, threads, position_tolerance, orientation_tolerance
+        task, solver, seed, tool, threads : optional
+            As for `ik`, the same for all chunks.
+        position_tolerance, orientation_tolerance, tolerance_frame : optional
             As for `ik`, the same for all chunks.
         q0 : array_like, shape (n,), rad or m, optional
             Start values of every target's first attempt.
@@ -437,6 +468,7 @@ class InverseKinematics:
                 threads,
                 position_tolerance=position_tolerance,
                 orientation_tolerance=orientation_tolerance,
+                tolerance_frame=tolerance_frame,
                 first_index=index,
             )
 

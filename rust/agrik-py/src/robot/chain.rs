@@ -190,7 +190,7 @@ impl Chain {
     /// Solve a batch of targets; see `agrik_fast.Robot.ik`.
     #[pyo3(signature = (
         targets, task=None, solver=None, q0=None, seed=None, tool=None, threads=None,
-        position_tolerance=None, orientation_tolerance=None, first_index=None
+        position_tolerance=None, orientation_tolerance=None, first_index=None, tolerance_frame=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn ik(
@@ -206,6 +206,7 @@ impl Chain {
         position_tolerance: Option<&Bound<'_, PyAny>>,
         orientation_tolerance: Option<&Bound<'_, PyAny>>,
         first_index: Option<&Bound<'_, PyAny>>,
+        tolerance_frame: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<IkResult> {
         let given = Arguments {
             targets,
@@ -217,6 +218,7 @@ impl Chain {
             threads,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
             first_index,
         };
         batch::solve(py, &self.0, &given)
@@ -225,7 +227,7 @@ impl Chain {
     /// Make a solver for one target at a time; see `agrik_fast.Robot.solver`.
     #[pyo3(signature = (
         task=None, solver=None, seed=None, tool=None, position_tolerance=None,
-        orientation_tolerance=None
+        orientation_tolerance=None, tolerance_frame=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn solver(
@@ -237,6 +239,7 @@ impl Chain {
         tool: Option<&Bound<'_, PyAny>>,
         position_tolerance: Option<&Bound<'_, PyAny>>,
         orientation_tolerance: Option<&Bound<'_, PyAny>>,
+        tolerance_frame: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<TargetSolver> {
         let none = py.None().into_bound(py);
         let given = Arguments {
@@ -249,6 +252,7 @@ impl Chain {
             threads: None,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
             first_index: None,
         };
         let options = Options::new(&self.0, &given, true)?;
@@ -258,7 +262,7 @@ impl Chain {
     /// Follow a sequence of targets; see `agrik_fast.Robot.follow`.
     #[pyo3(signature = (
         targets, max_joint_step, q0=None, pull=None, task=None, seed=None, tool=None,
-        position_tolerance=None, orientation_tolerance=None
+        position_tolerance=None, orientation_tolerance=None, tolerance_frame=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn follow<'py>(
@@ -273,6 +277,7 @@ impl Chain {
         tool: Option<&Bound<'py, PyAny>>,
         position_tolerance: Option<&Bound<'py, PyAny>>,
         orientation_tolerance: Option<&Bound<'py, PyAny>>,
+        tolerance_frame: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Followed<'py>> {
         let given = Arguments {
             targets,
@@ -284,6 +289,7 @@ impl Chain {
             threads: None,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
             first_index: None,
         };
         let usual = PyFloat::new(py, 0.5).into_any();
@@ -314,6 +320,7 @@ impl Chain {
             threads: None,
             position_tolerance: None,
             orientation_tolerance: None,
+            tolerance_frame: None,
             first_index: None,
         };
         let costs = batch::cost_history(py, &self.0, &given)?;
@@ -323,7 +330,7 @@ impl Chain {
     /// All branches of a batch of poses; see `agrik_fast.Robot.ik_all`.
     #[pyo3(signature = (
         targets, q0=None, tool=None, threads=None, arm_angle=None, position_tolerance=None,
-        orientation_tolerance=None
+        orientation_tolerance=None, tolerance_frame=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn ik_all(
@@ -336,6 +343,7 @@ impl Chain {
         arm_angle: Option<&Bound<'_, PyAny>>,
         position_tolerance: Option<&Bound<'_, PyAny>>,
         orientation_tolerance: Option<&Bound<'_, PyAny>>,
+        tolerance_frame: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Branches> {
         let given = Arguments {
             targets,
@@ -347,6 +355,7 @@ impl Chain {
             threads,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
             first_index: None,
         };
         batch::solve_all(py, &self.0, &given, arm_angle)

@@ -8,7 +8,8 @@ mod batch;
 mod request;
 mod targets;
 
-pub use aim::{Aim, Tolerance};
+pub use aim::{Aim, AxisBounds, Near, Tolerance};
+pub(crate) use aim::{INSIDE, Left, Measure};
 pub(crate) use answers::Outcome;
 pub use answers::{Answers, AnswersMut, Status};
 pub use batch::{Solve, solve, solve_at, solve_into};
