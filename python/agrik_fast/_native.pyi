@@ -253,9 +253,10 @@ class Chain:
         seed: int | None = None,
         tool: ArrayLike | None = None,
         threads: int | None = None,
-        position_tolerance: float | None = None,
-        orientation_tolerance: float | None = None,
+        position_tolerance: ArrayLike | None = None,
+        orientation_tolerance: ArrayLike | None = None,
         first_index: int | None = None,
+        tolerance_frame: str | None = None,
         collider: Collider | None = None,
         clear: float | None = None,
         prefer: str | None = None,
@@ -272,8 +273,9 @@ class Chain:
         solver: object = None,
         seed: int | None = None,
         tool: ArrayLike | None = None,
-        position_tolerance: float | None = None,
-        orientation_tolerance: float | None = None,
+        position_tolerance: ArrayLike | None = None,
+        orientation_tolerance: ArrayLike | None = None,
+        tolerance_frame: str | None = None,
         recipe: tuple[Any, ...] | None = None,
     ) -> TargetSolver:
         """Make a solver for one target at a time; see `agrik_fast.Robot.solver`."""
@@ -287,8 +289,9 @@ class Chain:
         task: object = None,
         seed: int | None = None,
         tool: ArrayLike | None = None,
-        position_tolerance: float | None = None,
-        orientation_tolerance: float | None = None,
+        position_tolerance: ArrayLike | None = None,
+        orientation_tolerance: ArrayLike | None = None,
+        tolerance_frame: str | None = None,
     ) -> tuple[IkResult, NDArray[np.bool_]]:
         """Follow a sequence of targets; see `agrik_fast.Robot.follow`."""
 
@@ -310,8 +313,9 @@ class Chain:
         tool: ArrayLike | None = None,
         threads: int | None = None,
         arm_angle: ArrayLike | None = None,
-        position_tolerance: float | None = None,
-        orientation_tolerance: float | None = None,
+        position_tolerance: ArrayLike | None = None,
+        orientation_tolerance: ArrayLike | None = None,
+        tolerance_frame: str | None = None,
         locked: Mapping[str, ArrayLike] | None = None,
     ) -> Branches:
         """All branches of a batch of poses; see `agrik_fast.Robot.ik_all`."""

@@ -73,16 +73,29 @@ def solve(
     task: Annotated[
         str | None,
         typer.Option(
-            help="position, pose, axis or masked; by default masked with --mask, else pose if "
-            "there are orientations."
+            help="position, pose, axis, masked or position-first; by default masked with --mask, "
+            "else pose if there are orientations."
         ),
     ] = None,
     solver: Annotated[
         str,
         typer.Option(help="Name of the solver."),  # see _SolveCommand
     ] = "lm",
-    tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-6,
-    tol_rad: Annotated[float, typer.Option(help="Orientation tolerance in radians.")] = 1e-6,
+    tol: Annotated[
+        str,
+        typer.Option(
+            help="Position tolerance in metres; or three, along x, y, z, such as 1e-3,1e-3,inf, "
+            "where inf leaves an axis free."
+        ),
+    ] = "1e-6",
+    tol_rad: Annotated[
+        str,
+        typer.Option(help="Orientation tolerance in radians; or three, about x, y, z."),
+    ] = "1e-6",
+    tol_frame: Annotated[
+        str | None,
+        typer.Option(help="Whose axes three tolerances are for: base or tool; by default base."),
+    ] = None,
     tool_axis: Annotated[
         str, typer.Option(help="Axis task: tool axis, such as z, -x or 0,0.6,0.8.")
     ] = "z",
@@ -147,6 +160,7 @@ def solve(
             load_scene,
             parse_axis,
             parse_preference,
+            parse_tolerance,
             parse_values,
             parse_word,
             solve_words,
@@ -160,8 +174,11 @@ def solve(
             output=output,
             task=task,
             solver=solver,
-            position_tolerance=tol,
-            orientation_tolerance=tol_rad,
+            position_tolerance=parse_tolerance("--tol", tol),
+            orientation_tolerance=parse_tolerance("--tol-rad", tol_rad),
+            tolerance_frame=None
+            if tol_frame is None
+            else parse_word("--tol-frame", tol_frame, ("base", "tool")),
             tool_axis=parse_axis("--tool-axis", tool_axis),
             direction=None if direction is None else parse_axis("--direction", direction),
             seed=seed,

@@ -20,6 +20,7 @@ _OPTIONS = {
     "task": "--task",
     "position_tolerance": "--tol",
     "orientation_tolerance": "--tol-rad",
+    "tolerance_frame": "--tol-frame",
     "direction": "--direction",
     "mask": "--mask",
     "q0": "--q0",
@@ -99,6 +100,26 @@ def parse_preference(text: str) -> Prefer:
         For any other name.
     """
     return cast("Prefer", word("--prefer", text, _PREFERENCES))
+
+
+def parse_tolerance(option: str, text: str) -> float | tuple[float, float, float]:
+    """Return the number that "1e-3" names, or the three of "1e-3,1e-3,inf".
+
+    Raises
+    ------
+    ArgumentError
+        For other texts.
+    """
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) == 1:
+        return numbers[0]
+    if len(numbers) != 3:
+        raise ArgumentError(option, repr(text), "one number, or three with commas between them")
+    x, y, z = numbers
+    return (x, y, z)
 
 
 def solve_words(request: SolveRequest, progress: Progress) -> Summary:

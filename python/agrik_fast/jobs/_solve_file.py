@@ -35,7 +35,7 @@ from ._summary import Summary
 WRITE_ROWS = 65_536
 WRITE_ID_BYTES = 32 << 20
 Vector = tuple[float, float, float]
-TASKS = ("position", "pose", "axis", "masked")
+TASKS = ("position", "pose", "axis", "masked", "position-first")
 
 
 @dataclass(frozen=True)
@@ -48,14 +48,17 @@ class SolveRequest:
         Bundled name or path.
     targets, output : Path
         Files, whose kinds follow from their suffixes.
-    task : {"position", "pose", "axis", "masked"}, optional
+    task : {"position", "pose", "axis", "masked", "position-first"}, optional
         None: masked with a mask, else pose if the targets have orientations.
     solver : str
         A solver's name, see `Robot.ik`.
-    position_tolerance : float, m
-        Largest distance between tool point and target; above 0.
-    orientation_tolerance : float, rad
-        Largest angle between tool and target orientation; above 0.
+    position_tolerance : float or tuple of 3 float, m
+        Largest distance between tool point and target, or along each axis; above 0, as for
+        `Robot.ik`.
+    orientation_tolerance : float or tuple of 3 float, rad
+        Largest angle between tool and target orientation, or about each axis; above 0.
+    tolerance_frame : {"base", "tool"}, optional
+        Whose axes these are; None: the base's.
     tool_axis : tuple of 3 float
         Axis task: the axis, in the tool frame.
     direction : tuple of 3 float, optional
@@ -90,8 +93,9 @@ class SolveRequest:
     output: Path
     task: str | None = None
     solver: str = "lm"
-    position_tolerance: float = 1e-6
-    orientation_tolerance: float = 1e-6
+    position_tolerance: float | Vector = 1e-6
+    orientation_tolerance: float | Vector = 1e-6
+    tolerance_frame: Literal["base", "tool"] | None = None
     tool_axis: Vector = (0.0, 0.0, 1.0)
     direction: Vector | None = None
     seed: int = 0
@@ -127,7 +131,7 @@ def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str |
     name = request.task or usual
     if name not in TASKS:
         raise UnknownNameError("task", name, TASKS)
-    if name in ("pose", "masked") and not reader.is_pose:
+    if name in ("pose", "masked", "position-first") and not reader.is_pose:
         expected = f"orientations for a {name} task"
         raise ArgumentError("task", "targets without orientation", expected)
     if (name == "masked") != (request.mask is not None):
@@ -169,12 +173,7 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     started = time.perf_counter()
     progress = Silent() if progress is None else progress
     check_result_path(request.output)
-    for name, value in (
-        ("position_tolerance", request.position_tolerance),
-        ("orientation_tolerance", request.orientation_tolerance),
-    ):
-        if not (np.isfinite(value) and value > 0.0):
-            raise ArgumentError(name, repr(value), "a positive number")
+    _check_tolerances(request)
     robot = request.choice.load()
     reader = read_targets(request.targets)
     if request.output.exists() and request.output.samefile(request.targets):
@@ -213,6 +212,22 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     return summary
 
 
+def _check_tolerances(request: SolveRequest) -> None:
+    """Refuse what `Robot.ik` would refuse, before a file is read."""
+    for name in ("position_tolerance", "orientation_tolerance"):
+        given = getattr(request, name)
+        each = given if isinstance(given, tuple) else (given,)
+        free = len(each) == 3
+        if len(each) not in (1, 3) or not all(
+            value > 0.0 and (free or np.isfinite(value)) for value in each
+        ):
+            expected = "a positive number, or three of which inf frees an axis"
+            raise ArgumentError(name, repr(given), expected)
+    frame: object = request.tolerance_frame
+    if frame not in (None, "base", "tool"):
+        raise ArgumentError("tolerance_frame", repr(frame), "'base' or 'tool'")
+
+
 def _solver(robot: Robot, task: str | Axis | Masked, request: SolveRequest) -> Solve:
     def solve(targets: NDArray[np.float64], first_index: int) -> IkResult:
         return robot.ik(
@@ -224,6 +239,7 @@ def _solver(robot: Robot, task: str | Axis | Masked, request: SolveRequest) -> S
             threads=request.threads,
             position_tolerance=request.position_tolerance,
             orientation_tolerance=request.orientation_tolerance,
+            tolerance_frame=request.tolerance_frame,
             first_index=first_index,
             scene=request.scene,
             clear=request.clear,
@@ -248,8 +264,8 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
         "targets": request.targets.name,
         "task": task,
         "solver": request.solver,
-        "position_tolerance_m": repr(request.position_tolerance),
-        "orientation_tolerance_rad": repr(request.orientation_tolerance),
+        "position_tolerance_m": _words(request.position_tolerance),
+        "orientation_tolerance_rad": _words(request.orientation_tolerance),
         "seed": str(request.seed),
         **request.choice.words(),
     }
@@ -261,6 +277,8 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
         values["scene"] = request.scene_name
         values["clear_m"] = repr(request.clear)
         values["prefer"] = request.prefer
+    if request.tolerance_frame is not None:
+        values["tolerance_frame"] = request.tolerance_frame
     if task == "axis":
         values["tool_axis"] = _words(request.tool_axis)
         where = request.direction
@@ -268,8 +286,8 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
     return values
 
 
-def _words(vector: tuple[float, ...]) -> str:
-    return ",".join(map(repr, vector))
+def _words(numbers: float | tuple[float, ...]) -> str:
+    return ",".join(map(repr, numbers)) if isinstance(numbers, tuple) else repr(numbers)
 
 
 def _id_bytes(pieces: list[ResultChunk]) -> int:

@@ -46,8 +46,9 @@ class InverseKinematics:
         tool: ArrayLike | None = None,
         threads: int | None = None,
         *,
-        position_tolerance: float = 1e-6,
-        orientation_tolerance: float = 1e-6,
+        position_tolerance: ArrayLike = 1e-6,
+        orientation_tolerance: ArrayLike = 1e-6,
+        tolerance_frame: Literal["base", "tool"] | None = None,
         first_index: int = 0,
         scene: SceneOf | Collider | None = None,
         clear: float = 0.0,
@@ -64,7 +65,7 @@ class InverseKinematics:
         ----------
         targets : array_like, shape (..., 4, 4) or (..., 3)
             Poses of the tool, or positions of the tool point, in the base frame; m.
-        task : task or {"position", "pose", "axis"}, optional
+        task : task or {"position", "pose", "axis", "position-first"}, optional
             What counts as reached, see `agrik_fast.tasks`. Default: "pose" for shape
             (..., 4, 4), "position" for (..., 3).
         solver : solver or a name, default "lm"
@@ -82,10 +83,16 @@ class InverseKinematics:
         threads : int, optional
             Number of threads; default as set by `agrik_fast.set_num_threads` or the
             environment variable ``AGRIK_NUM_THREADS``, else one per core.
-        position_tolerance : float, default 1e-6
-            Largest distance between tool point and target, m; above 0.
-        orientation_tolerance : float, default 1e-6
-            Largest angle between tool and target orientation, rad; above 0.
+        position_tolerance : float or array_like, shape (3,), m, default 1e-6
+            Largest distance between tool point and target, or largest error along each of
+            x, y, z; above 0. ``inf`` leaves an axis free.
+        orientation_tolerance : float or array_like, shape (3,), rad, default 1e-6
+            Largest angle between tool and target orientation, or largest error about each
+            of x, y, z (entries of the rotation vector from tool to target); above 0.
+            ``inf`` leaves an axis free.
+        tolerance_frame : {"base", "tool"}, optional
+            Whose axes the three numbers of a tolerance are for: those of the base, or of
+            the tool as it stands. Default: those of a `Masked` task, else of the base.
         first_index : int, default 0
             Index of the first target within a larger batch, so that the pieces of a
             batch get the answers of the whole.
@@ -120,6 +127,22 @@ class InverseKinematics:
             Unknown task or solver; names the nearest.
         KeyboardInterrupt
             Ctrl-C; a long batch stops within a second.
+
+        Examples
+        --------
+        A gripper that may turn freely about its own z axis, and by 5 degrees about the others:
+
+        >>> from agrik_fast import Robot
+        >>> robot = Robot.load("puma560")
+        >>> pose = robot.fk([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+        >>> bool(
+        ...     robot.ik(
+        ...         pose,
+        ...         orientation_tolerance=(0.087, 0.087, float("inf")),
+        ...         tolerance_frame="tool",
+        ...     ).success
+        ... )
+        True
         """
         return self._chain.ik(
             targets,
@@ -132,6 +155,7 @@ class InverseKinematics:
             position_tolerance,
             orientation_tolerance,
             first_index,
+            tolerance_frame,
             _collider(self, scene),
             clear,
             prefer,
@@ -144,8 +168,9 @@ class InverseKinematics:
         seed: int = 0,
         tool: ArrayLike | None = None,
         *,
-        position_tolerance: float = 1e-6,
-        orientation_tolerance: float = 1e-6,
+        position_tolerance: ArrayLike = 1e-6,
+        orientation_tolerance: ArrayLike = 1e-6,
+        tolerance_frame: Literal["base", "tool"] | None = None,
     ) -> TargetSolver:
         """Make a solver for one target at a time, for control loops.
 
@@ -154,9 +179,9 @@ class InverseKinematics:
 
         Parameters
         ----------
-        task : task or {"position", "pose", "axis"}, default "pose"
+        task : task or {"position", "pose", "axis", "position-first"}, default "pose"
             What counts as reached, see `agrik_fast.tasks`.
-        solver, seed, tool, position_tolerance, orientation_tolerance
+        solver, seed, tool, position_tolerance, orientation_tolerance, tolerance_frame
             As for `ik`; step solvers only.
 
         Returns
@@ -169,7 +194,7 @@ class InverseKinematics:
         ArgumentError
             As for `ik`.
         """
-        tolerances = (position_tolerance, orientation_tolerance)
+        tolerances = (position_tolerance, orientation_tolerance, tolerance_frame)
         recipe = (_solver, (self, task, solver, seed, tool, *tolerances))
         return self._chain.solver(task, solver, seed, tool, *tolerances, recipe)
 
@@ -183,8 +208,9 @@ class InverseKinematics:
         tool: ArrayLike | None = None,
         *,
         pull: float = 0.5,
-        position_tolerance: float = 1e-6,
-        orientation_tolerance: float = 1e-6,
+        position_tolerance: ArrayLike = 1e-6,
+        orientation_tolerance: ArrayLike = 1e-6,
+        tolerance_frame: Literal["base", "tool"] | None = None,
     ) -> Path:
         """Follow a sequence of targets, every posture the continuation of the one before.
 
@@ -203,7 +229,7 @@ class InverseKinematics:
             first posture is free.
         max_joint_step : float or array_like, shape (dof,), rad or m, default 0.1
             Largest change of each joint from one target to the next.
-        task, tool, position_tolerance, orientation_tolerance : optional
+        task, tool, position_tolerance, orientation_tolerance, tolerance_frame : optional
             As in `ik`.
         seed : int, default 0
             Seed of the searches, 0 to 2**64 - 1.
@@ -233,6 +259,7 @@ class InverseKinematics:
             tool,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
         )
         steps = np.zeros_like(result.q)
         if len(steps):
@@ -296,8 +323,9 @@ class InverseKinematics:
         threads: int | None = None,
         arm_angle: ArrayLike | None = None,
         *,
-        position_tolerance: float = 1e-6,
-        orientation_tolerance: float = 1e-6,
+        position_tolerance: ArrayLike = 1e-6,
+        orientation_tolerance: ArrayLike = 1e-6,
+        tolerance_frame: Literal["base", "tool"] | None = None,
         locked: Mapping[str, ArrayLike] | None = None,
     ) -> Branches:
         """Every branch of the inverse kinematics of an arm with a closed form.
@@ -322,11 +350,10 @@ class InverseKinematics:
             Number of threads, as for `ik`.
         arm_angle : array_like, shape broadcastable to (...), rad, optional
             Arm angle of an S-R-S arm, see `arm_angle`. Default: that of `q0`, or 0.
-        position_tolerance : float, default 1e-6
-            Largest distance between tool point and target, m; above 0. Branches of
-            reachable targets come to rounding; this decides at the edge of the reach.
-        orientation_tolerance : float, default 1e-6
-            Largest angle between tool and target orientation, rad; above 0.
+        position_tolerance, orientation_tolerance, tolerance_frame : optional
+            As for `ik`. Branches of reachable targets come to rounding, so that these
+            decide at the edge of the reach alone: a branch counts that is within the
+            smallest of three numbers, and a proof holds for the whole of them.
         locked : mapping of str to array_like, shape broadcastable to (...), optional
             Joints that are kept where they are, by name, and their values within the limits,
             rad or m: one for all targets, or one a target. What is left must have a closed
@@ -375,6 +402,7 @@ class InverseKinematics:
             arm_angle,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
             locked,
         )
 
@@ -440,8 +468,9 @@ class InverseKinematics:
         tool: ArrayLike | None = None,
         threads: int | None = None,
         *,
-        position_tolerance: float = 1e-6,
-        orientation_tolerance: float = 1e-6,
+        position_tolerance: ArrayLike = 1e-6,
+        orientation_tolerance: ArrayLike = 1e-6,
+        tolerance_frame: Literal["base", "tool"] | None = None,
         first_index: int = 0,
         scene: SceneOf | Collider | None = None,
         clear: float = 0.0,
@@ -457,8 +486,9 @@ class InverseKinematics:
         ----------
         chunks : iterable of array_like, each of shape (..., 4, 4) or (..., 3)
             Targets as for `ik`; some tens of thousands in a chunk keep all cores busy.
-        task, solver, seed, tool, threads, position_tolerance, orientation_tolerance, scene, \
-        clear, prefer
+        task, solver, seed, tool, threads, scene, clear, prefer : optional
+            As for `ik`, the same for all chunks.
+        position_tolerance, orientation_tolerance, tolerance_frame : optional
             As for `ik`, the same for all chunks.
         q0 : array_like, shape (n,), rad or m, optional
             Start values of every target's first attempt.
@@ -489,6 +519,7 @@ class InverseKinematics:
                 threads,
                 position_tolerance=position_tolerance,
                 orientation_tolerance=orientation_tolerance,
+                tolerance_frame=tolerance_frame,
                 first_index=index,
                 scene=handle,
                 clear=clear,
@@ -510,8 +541,9 @@ def _solver(
     solver: Solver | str,
     seed: int,
     tool: ArrayLike | None,
-    position_tolerance: float,
-    orientation_tolerance: float,
+    position_tolerance: ArrayLike,
+    orientation_tolerance: ArrayLike,
+    tolerance_frame: Literal["base", "tool"] | None,
 ) -> TargetSolver:
     """Make a solver again, as its pickle says."""
     return robot.solver(
@@ -521,4 +553,5 @@ def _solver(
         tool,
         position_tolerance=position_tolerance,
         orientation_tolerance=orientation_tolerance,
+        tolerance_frame=tolerance_frame,
     )

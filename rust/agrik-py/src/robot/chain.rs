@@ -218,8 +218,8 @@ impl Chain {
     /// Solve a batch of targets; see `agrik_fast.Robot.ik`.
     #[pyo3(signature = (
         targets, task=None, solver=None, q0=None, seed=None, tool=None, threads=None,
-        position_tolerance=None, orientation_tolerance=None, first_index=None, collider=None,
-        clear=None, prefer=None
+        position_tolerance=None, orientation_tolerance=None, first_index=None,
+        tolerance_frame=None, collider=None, clear=None, prefer=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn ik(
@@ -235,6 +235,7 @@ impl Chain {
         position_tolerance: Option<&Bound<'_, PyAny>>,
         orientation_tolerance: Option<&Bound<'_, PyAny>>,
         first_index: Option<&Bound<'_, PyAny>>,
+        tolerance_frame: Option<&Bound<'_, PyAny>>,
         collider: Option<&Bound<'_, PyAny>>,
         clear: Option<&Bound<'_, PyAny>>,
         prefer: Option<&str>,
@@ -249,6 +250,7 @@ impl Chain {
             threads,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
             first_index,
         };
         batch::solve(py, &self.0, &given, &guard::Given { collider, clear, prefer })
@@ -257,7 +259,7 @@ impl Chain {
     /// Make a solver for one target at a time; see `agrik_fast.Robot.solver`.
     #[pyo3(signature = (
         task=None, solver=None, seed=None, tool=None, position_tolerance=None,
-        orientation_tolerance=None, recipe=None
+        orientation_tolerance=None, tolerance_frame=None, recipe=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn solver(
@@ -269,6 +271,7 @@ impl Chain {
         tool: Option<&Bound<'_, PyAny>>,
         position_tolerance: Option<&Bound<'_, PyAny>>,
         orientation_tolerance: Option<&Bound<'_, PyAny>>,
+        tolerance_frame: Option<&Bound<'_, PyAny>>,
         recipe: Option<Py<PyAny>>,
     ) -> PyResult<TargetSolver> {
         let none = py.None().into_bound(py);
@@ -282,6 +285,7 @@ impl Chain {
             threads: None,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
             first_index: None,
         };
         let options = Options::new(&self.0, &given, true)?;
@@ -291,7 +295,7 @@ impl Chain {
     /// Follow a sequence of targets; see `agrik_fast.Robot.follow`.
     #[pyo3(signature = (
         targets, max_joint_step, q0=None, pull=None, task=None, seed=None, tool=None,
-        position_tolerance=None, orientation_tolerance=None
+        position_tolerance=None, orientation_tolerance=None, tolerance_frame=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn follow<'py>(
@@ -306,6 +310,7 @@ impl Chain {
         tool: Option<&Bound<'py, PyAny>>,
         position_tolerance: Option<&Bound<'py, PyAny>>,
         orientation_tolerance: Option<&Bound<'py, PyAny>>,
+        tolerance_frame: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Followed<'py>> {
         let given = Arguments {
             targets,
@@ -317,6 +322,7 @@ impl Chain {
             threads: None,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
             first_index: None,
         };
         let usual = PyFloat::new(py, 0.5).into_any();
@@ -347,6 +353,7 @@ impl Chain {
             threads: None,
             position_tolerance: None,
             orientation_tolerance: None,
+            tolerance_frame: None,
             first_index: None,
         };
         let costs = batch::cost_history(py, &self.0, &given)?;
@@ -356,7 +363,7 @@ impl Chain {
     /// All branches of a batch of poses; see `agrik_fast.Robot.ik_all`.
     #[pyo3(signature = (
         targets, q0=None, tool=None, threads=None, arm_angle=None, position_tolerance=None,
-        orientation_tolerance=None, locked=None
+        orientation_tolerance=None, tolerance_frame=None, locked=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn ik_all(
@@ -369,6 +376,7 @@ impl Chain {
         arm_angle: Option<&Bound<'_, PyAny>>,
         position_tolerance: Option<&Bound<'_, PyAny>>,
         orientation_tolerance: Option<&Bound<'_, PyAny>>,
+        tolerance_frame: Option<&Bound<'_, PyAny>>,
         locked: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Branches> {
         let given = Arguments {
@@ -381,6 +389,7 @@ impl Chain {
             threads,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
             first_index: None,
         };
         batch::solve_all(py, &self.0, &given, arm_angle, locked)

@@ -15,6 +15,8 @@ pub(super) struct Limit {
     pub upper: f64,
     /// The joint can take every angle, so that its limits hold nothing back.
     pub turns: bool,
+    /// Past these ends a joint that turns goes on at the other one.
+    pub ends: (f64, f64),
     /// There may be several angles for a posture.
     pub winds: bool,
     /// The joint slides.
@@ -29,11 +31,20 @@ impl Limit {
         let turns = v.periodic && full;
         let slides = v.kind == JointKind::Prismatic;
         let winds = turns && v.kind != JointKind::Continuous;
-        Self { lower: v.lower, upper: v.upper, turns, winds, slides, middle: v.middle() }
+        let (lower, upper) = (v.lower, v.upper);
+        Self { lower, upper, turns, ends: (lower, upper), winds, slides, middle: v.middle() }
     }
 }
 
 impl Limit {
+    /// The same where answers are to be near the middle, so that none has to be wound.
+    fn about_middle(self) -> Self {
+        use std::f64::consts::PI;
+        let ends = (self.middle - PI, self.middle + PI);
+        let inside = self.lower <= ends.0 && ends.1 <= self.upper;
+        if self.turns && self.winds && inside { Self { ends, winds: false, ..self } } else { self }
+    }
+
     /// The value that answers stay near, for the caller's `about`: inside the limits, and where
     /// sines know an angle well.
     #[inline(always)]
@@ -71,8 +82,11 @@ pub(super) fn limits(plan: &Plan<'_>) -> PerJoint<Limit> {
             // With starts given, joints wider than a turn stay on the side where they stand.
             let started = !matches!(plan.request.starts(), Starts::Free);
             let stays = |v: &Limit| started && v.winds && v.upper - v.lower > TURN;
+            // Without one they stay within half a turn of the middle: no turns to take off.
+            let anywhere = !started && plan.setup().usual_start.is_none();
             let limits = plan.request.chain().variables().iter().map(Limit::of);
-            limits.map(|v| Limit { turns: v.turns && !stays(&v), ..v }).collect()
+            let limits = limits.map(|v| Limit { turns: v.turns && !stays(&v), ..v });
+            limits.map(|v| if anywhere { v.about_middle() } else { v }).collect()
         }
         Some(bounds) => {
             let variables = plan.request.chain().variables().iter().map(Limit::of);

@@ -106,7 +106,10 @@ pub struct Exact<'a> {
     /// Which entry of `q` each joint along the chain is.
     pub variables: &'a [usize],
     pub tail: Tail,
+    /// What no solution is beyond.
     pub tolerance: Tolerance,
+    /// The whole errors that branches may have, which hold for each axis.
+    pub inner: Tolerance,
     position2: f64,
     chord2: f64,
 }
@@ -119,14 +122,16 @@ impl<'a> Exact<'a> {
         tail: Tail,
         tolerance: Tolerance,
     ) -> Self {
+        let inner = tolerance.inner();
         Self {
             compiled,
             variables,
             tail,
             tolerance,
-            position2: tolerance.position * tolerance.position,
+            inner,
+            position2: inner.position * inner.position,
             // A rotation by x moves the three unit axes by 2 sin(x / 2) sqrt(2) in all.
-            chord2: 8.0 * (0.5 * tolerance.orientation.min(3.0)).sin().powi(2),
+            chord2: 8.0 * (0.5 * inner.orientation.min(3.0)).sin().powi(2),
         }
     }
 

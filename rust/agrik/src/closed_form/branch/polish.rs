@@ -140,7 +140,7 @@ fn stepped(
     let error = rows.error(&workspace, tool, goal);
     let mut jacobian = [[0.0; 6]; JOINTS];
     columns(exact.compiled, &workspace, tool, |variable, linear, angular| {
-        jacobian[variable] = rows.column(&workspace, goal, linear, angular);
+        jacobian[variable] = rows.column(&(), goal, linear, angular);
     });
     for (limit, variable) in held.into_iter().flatten().zip(exact.variables) {
         let (x, column) = (ordered[*variable], &mut jacobian[*variable]);

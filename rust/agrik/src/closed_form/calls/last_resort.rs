@@ -32,8 +32,8 @@ const SAMPLES: usize = 24;
 
 fn farthest(job: &Job<'_>) -> f64 {
     let size: f64 = job.geometry.links.iter().map(|link| link.a.abs() + link.d.abs()).sum();
-    let tolerance = job.exact.tolerance;
-    FAR + TIMES * (tolerance.orientation + tolerance.position / size)
+    let tolerance = job.exact.inner;
+    FAR + TIMES * (tolerance.orientation.min(TAU) + tolerance.position.min(size) / size)
 }
 
 /// A posture from one of some branches (values along the chain), and from which.

@@ -64,18 +64,15 @@ impl<'a> Sweep<'a> {
         let chain = self.request.chain();
         let mut workspace = Workspace::new(chain.compiled());
         forward(chain.compiled(), &best.q, &mut workspace);
-        let (position2, orientation2) = self.request.errors(&workspace, &goal);
-        let outcome = Outcome {
-            position_error: position2.sqrt(),
-            orientation_error: orientation2.sqrt(),
-            ..Outcome::unanswered(Status::Converged)
-        };
-        let tolerance = self.request.tolerance();
-        if outcome.position_error > tolerance.position
-            || outcome.orientation_error > tolerance.orientation
-        {
+        let left = self.request.left(&workspace, &goal);
+        if !self.request.aim().is_met(&left) {
             return false;
         }
+        let outcome = Outcome {
+            position_error: left.position2.sqrt(),
+            orientation_error: left.orientation2.sqrt(),
+            ..Outcome::unanswered(Status::Converged)
+        };
         rows.finish(i, outcome).copy_from_slice(&best.q);
         true
     }

@@ -7,10 +7,10 @@ use super::genetic::Genetic;
 use super::progress::{End, Progress};
 use super::run::Run;
 use super::{Boundary, Mutation, Redraw, lshade};
+use crate::call::{Aim, Measure};
 use crate::error::{Error, Result};
 use crate::lanes::Real;
 use crate::random::Stream;
-use crate::task::Task;
 use crate::{Allowed, Field};
 
 /// Individuals that a search can hold.
@@ -163,9 +163,9 @@ impl Settings {
     }
 
     /// [`Settings::check`], and that the task has what the fitness measures.
-    pub fn check_for(&self, task: &Task) -> Result<()> {
+    pub fn check_for(&self, aim: &Aim) -> Result<()> {
         self.check()?;
-        let has_angles = matches!(task, Task::Pose | Task::Position);
+        let has_angles = matches!(aim.measure(1.0), Measure::Pose(_) | Measure::Position(_));
         if self.orientation == Orientation::EulerZyz && !has_angles {
             return Err(Error::argument(
                 "orientation",
