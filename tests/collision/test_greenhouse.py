@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-import spec_scenes
 
+import spec_scenes
 from agrik_fast.collision import (
     Scene,
     from_document,
@@ -65,9 +65,7 @@ def test_seeds_and_sizes_matter() -> None:
     assert len(greenhouse(0, 1, 1, points=40)["leaf0_0"].spheres) == 40
     low, high = 0.65, 1.3
     stripped = greenhouse(9, 3, 30, clear_band=(low, high))
-    middles = [
-        one.spheres[:, 2].mean() for one in stripped.objects if one.kind == "leaf"
-    ]
+    middles = [one.spheres[:, 2].mean() for one in stripped.objects if one.kind == "leaf"]
     # The points lie round the middle of a leaf, which is what the band is about.
     assert not any(low + 0.02 < middle < high - 0.02 for middle in middles)
 

@@ -165,7 +165,8 @@ def info(
     self_pairs: Annotated[
         bool,
         typer.Option(
-            "--self-pairs", help="Print which bodies may hit each other, and why others are left out."
+            "--self-pairs",
+            help="Print which bodies may hit each other, and why others are left out.",
         ),
     ] = False,
 ) -> None:

@@ -22,6 +22,8 @@ from ._definition import (
 )
 from ._dh_rows import CONVENTIONS, DhRow, read_table
 from ._inverse import InverseKinematics
+from ._inverse import Prefer as Prefer
+from ._inverse import SceneOf as SceneOf
 from ._path import Path
 
 __all__ = ["DhRow", "Path", "Robot"]
