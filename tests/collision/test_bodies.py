@@ -9,9 +9,9 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-import spec_scenes
 
 import agrik_fast as ik
+import spec_scenes
 from agrik_fast.collision import (
     Body,
     Box,

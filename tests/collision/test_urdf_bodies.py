@@ -162,9 +162,7 @@ def test_links_off_the_chain_stand_still_on_it(tmp_path: Path) -> None:
 def test_solids_that_make_no_sense(geometry: str, words: str) -> None:
     text = fault(arm_with(solid(geometry)))
     assert text.startswith("URDF: link 'tip': ") and words in text
-    assert "<origin> xyz" in fault(
-        arm_with(solid('<sphere radius="1"/>', '<origin xyz="0 0 x"/>'))
-    )
+    assert "<origin> xyz" in fault(arm_with(solid('<sphere radius="1"/>', '<origin xyz="0 0 x"/>')))
 
 
 # ---- meshes ---------------------------------------------------------------------------------

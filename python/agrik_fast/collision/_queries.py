@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _native
-from .._checks import FloatArray, real_number, shown, word
+from .._checks import FloatArray, real_number, shown, truth_value, word
 from ..errors import ArgumentError
 from ..robot import Robot
 
@@ -198,7 +198,7 @@ class Queries:
         >>> float(scene.clearance(arm, [0, 0, 0, -1.5, 0, 1.5, 0], cap=0.1))
         0.1
         """
-        return self.collider(arm).clearance(q, _cap(cap), threads, own)
+        return self.collider(arm).clearance(q, _cap(cap), threads, truth_value("own", own))
 
     def distances(
         self, arm: Robot, q: ArrayLike, *, cap: float | None = None, threads: int | None = None
@@ -284,7 +284,7 @@ class Queries:
         ArgumentError
             As `collides`.
         """
-        return self.collider(arm).gradient(q, _cap(cap), threads, own)
+        return self.collider(arm).gradient(q, _cap(cap), threads, truth_value("own", own))
 
     # -- what the compiled core is given -------------------------------------------------
 

@@ -267,18 +267,20 @@ class CollisionBodies:
             return usual
         index = {body.name: k for k, body in enumerate(bodies)}
 
-        def numbers(pairs: Iterable[tuple[str, str]]) -> set[tuple[int, int]]:
+        def numbers(pairs: Iterable[tuple[str, str]]) -> list[tuple[int, int]]:
             both = ((index[a], index[b]) for a, b in pairs)
-            return {(min(pair), max(pair)) for pair in both}
+            return [(min(pair), max(pair)) for pair in both]
 
         first = len(bodies) - len(self._definition.attached)
         if rules.pairs is None:
-            wanted = set(usual.self_pairs) - numbers(rules.exclude)
+            gone = set(numbers(rules.exclude))
+            wanted = [pair for pair in usual.self_pairs if pair not in gone]
         else:
-            # The list knows nothing of what was put on later.
-            later = {pair for pair in usual.self_pairs if max(pair) >= first}
-            wanted = numbers(rules.pairs) | later
-        return self._native(sorted(wanted))
+            # The list knows nothing of what was put on later. Of equal distances the first pair
+            # is told, so its order counts.
+            later = [pair for pair in usual.self_pairs if max(pair) >= first]
+            wanted = list(dict.fromkeys([*numbers(rules.pairs), *later]))
+        return self._native(wanted)
 
     def _usual(self) -> _native.Bodies:
         """Return the bodies with the self pairs that are worked out; made once a chain."""
