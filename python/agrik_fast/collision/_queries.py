@@ -15,8 +15,8 @@ from ..errors import ArgumentError
 from ..robot import Robot
 
 if TYPE_CHECKING:
+    from ._content import Target
     from ._objects import SceneObject
-    from ._scene import Target
 
 __all__ = ["Distances", "Queries"]
 
