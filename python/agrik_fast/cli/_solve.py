@@ -21,6 +21,7 @@ _OPTIONS = {
     "orientation_tolerance": "--tol-rad",
     "direction": "--direction",
     "clear": "--clear",
+    "scene": "--scene",
 }
 _PREFERENCES = ("first", "near", "clearance")
 
