@@ -167,10 +167,10 @@ def to_pandas(record: Record) -> Any:
     return pandas.DataFrame(_columns(record))
 
 
-def text(record: Record, head: str) -> str:
+def text(record: IkResult, head: str) -> str:
     """Return what a record says of itself: a head, and of a single target its numbers."""
-    if rows(record) or type(record).__name__ != "IkResult":
-        return f"{type(record).__name__}({head})"
+    if rows(record):
+        return f"IkResult({head})"
     with np.printoptions(precision=6, suppress=True, linewidth=200, threshold=12):
         q = np.array2string(record.q, separator=", ")
     errors = f"position_error={float(record.position_error):.3g}"

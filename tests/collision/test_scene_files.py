@@ -222,8 +222,7 @@ def test_files_cut_off_in_the_middle_are_refused(tmp_path: Path, suffix: str) ->
         cut = write(tmp_path, f"cut{suffix}", text[:length])
         try:
             Scene.load(cut)
-        except SceneFileError as error:
-            assert str(error).startswith(f"cut{suffix}: ")
+        except SceneFileError:
             refused += 1
         else:
             # A TOML text may end after any of its lines; what is in it is sound then.
@@ -241,10 +240,8 @@ def test_json_that_is_not_what_it_seems(tmp_path: Path) -> None:
     (tmp_path / "latin.json").write_bytes(b'{"unit": "\xe4"}')
     with pytest.raises(SceneFileError, match="is not UTF-8"):
         Scene.load(tmp_path / "latin.json")
-    far = {
-        "unit": "m",
-        "objects": [{"name": "a", "spheres": [[1e12, 0, 0, 1], [10**400, 0, 0, 1]]}],
-    }
+    rows = [[1e12, 0, 0, 1], [10**400, 0, 0, 1]]
+    far = {"unit": "m", "objects": [{"name": "a", "spheres": rows}]}
     (tmp_path / "far.json").write_text(json.dumps(far))
     with pytest.raises(SceneFileError) as caught:
         Scene.load(tmp_path / "far.json")

@@ -17,9 +17,9 @@ MOST_CORNERS = 64
 _FIRST, _AT_ONCE = 32, 8
 # Rounding of the points and of SciPy's hull, by the size of the whole.
 _ROUNDING = 1e-9
-_SURFACE_POINTS = 200_000
-_HULL_POINTS = 3_000
-_NEAR = 16
+_SURFACE_POINTS = 30_000
+_HULL_POINTS = 2_000
+_NEAR = 8
 
 
 def hull_of(points: FloatArray) -> Convex:
@@ -48,22 +48,25 @@ def hull_of(points: FloatArray) -> Convex:
 
 
 def overestimate(hull: Convex, triangles: FloatArray) -> float:
-    """Return how far a hull reaches out of a surface, m, to about 1 % of its size.
+    """Return how far a hull reaches out of a surface at most, m, to about 1 % of its size.
 
     Parameters
     ----------
     hull : Convex
+        From `hull_of` of the corners.
     triangles : ndarray, shape (m, 3, 3), m
         Corners of the triangles of the surface.
 
     Returns
     -------
     float
-        Largest distance of some thousand points of the hull's surface from the triangles.
+        Largest distance of some thousand points of the hull of all corners from the triangles,
+        and the radius by which `hull` is larger.
     """
     from scipy.spatial import cKDTree
 
-    faces = _faces(np.array(hull.vertices))
+    corners = triangles.reshape(-1, 3)
+    faces = _faces(_corners(corners))
     if faces is None:
         return hull.radius
     where = _spread(faces, _HULL_POINTS)[0]
@@ -73,7 +76,7 @@ def overestimate(hull: Convex, triangles: FloatArray) -> float:
     away = np.full(len(where), np.inf)
     for column in near.T:
         away = np.minimum(away, point_triangle(where, triangles[which[column]]))
-    size = float(np.ptp(np.array(hull.vertices), axis=0).max())
+    size = float(np.ptp(corners, axis=0).max())
     most = float(away.max())
     return hull.radius + (most if most > _ROUNDING * size else 0.0)
 

@@ -100,7 +100,7 @@ def triangles_of(link: str, file: Path) -> list[FloatArray]:
     if file.stat().st_size > _MESH_BYTES:
         raise refuse(f"is longer than {_MESH_BYTES} bytes")
     try:
-        found: Sequence[Any] = trimesh.load_scene(file).dump()
+        found: Sequence[Any] = trimesh.load_scene(file, process=False).dump()
     except OSError as error:
         reason = os_reason(error) if error.errno is not None else brief(error)
         raise refuse(f"cannot be read: {reason}") from error

@@ -159,10 +159,10 @@ def solve(
         from ._solve import (
             load_scene,
             parse_axis,
+            parse_frame,
             parse_preference,
             parse_tolerance,
             parse_values,
-            parse_word,
             solve_words,
         )
         from .progress import for_stream
@@ -176,9 +176,7 @@ def solve(
             solver=solver,
             position_tolerance=parse_tolerance("--tol", tol),
             orientation_tolerance=parse_tolerance("--tol-rad", tol_rad),
-            tolerance_frame=None
-            if tol_frame is None
-            else parse_word("--tol-frame", tol_frame, ("base", "tool")),
+            tolerance_frame=parse_frame("--tol-frame", tol_frame),
             tool_axis=parse_axis("--tool-axis", tool_axis),
             direction=None if direction is None else parse_axis("--direction", direction),
             seed=seed,
@@ -190,7 +188,7 @@ def solve(
             frame=frame,
             q0=None if q0 is None else parse_values("--q0", q0),
             mask=None if mask is None else _options.numbers("--mask", mask, (6,)),
-            mask_frame=parse_word("--mask-frame", mask_frame, ("base", "tool")),
+            mask_frame=parse_frame("--mask-frame", mask_frame) or "base",
             scene=load_scene(scene, aim),
             scene_name="" if scene is None else scene.name,
             clear=clear,

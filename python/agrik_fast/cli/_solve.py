@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TypeVar, cast
+from typing import Literal, cast
 
 from .._checks import word
 from ..collision import Scene
 from ..errors import ArgumentError, UnknownNameError
 from ..jobs import Progress, SolveRequest, Summary, solve_file
-from ..robot import Prefer
+from ..robot import PREFERENCES, Prefer
 from ._options import numbers
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -28,8 +28,8 @@ _OPTIONS = {
     "tip_link": "--tip-link",
     "tool": "--tool",
     "clear": "--clear",
+    "scene": "--scene",
 }
-_PREFERENCES = ("first", "near", "clearance")
 
 
 def parse_axis(option: str, text: str) -> tuple[float, float, float]:
@@ -59,15 +59,21 @@ def parse_values(option: str, text: str) -> tuple[float, ...]:
     return numbers(option, text, (text.count(",") + 1,))
 
 
-_Word = TypeVar("_Word", bound=str)
+def parse_frame(option: str, text: str | None) -> Literal["base", "tool"] | None:
+    """Return the frame of that name.
 
-
-def parse_word(option: str, text: str, known: tuple[_Word, ...]) -> _Word:
-    """Return the one of a few words that a text is."""
-    for each in known:
-        if text.strip().lower() == each:
-            return each
-    raise ArgumentError(option, repr(text), " or ".join(known))
+    Raises
+    ------
+    ArgumentError
+        For other texts.
+    """
+    if text is None:
+        return None
+    if text == "base":
+        return "base"
+    if text == "tool":
+        return "tool"
+    raise ArgumentError(option, repr(text), "base or tool")
 
 
 def load_scene(path: Path | None, aim: str | None) -> Scene | None:
@@ -99,7 +105,7 @@ def parse_preference(text: str) -> Prefer:
     UnknownNameError
         For any other name.
     """
-    return cast("Prefer", word("--prefer", text, _PREFERENCES))
+    return cast("Prefer", word("--prefer", text, PREFERENCES))
 
 
 def parse_tolerance(option: str, text: str) -> float | tuple[float, float, float]:

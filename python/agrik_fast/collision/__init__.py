@@ -14,12 +14,12 @@ from .._bodies import (
     Sphere,
 )
 from ._clouds import Cloud, objects_of, read_cloud
+from ._content import Target
 from ._crop import fruit, leaf, pipe, row, stalk, stem, wire
-from ._files import document_of, from_document
 from ._greenhouse import greenhouse, greenhouse_document
 from ._objects import SceneObject
 from ._queries import Distances
-from ._scene import Scene, Target
+from ._scene import Scene, document_of, from_document
 
 __all__ = [
     "Body",

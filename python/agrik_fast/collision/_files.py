@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from os import PathLike, fspath
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +11,12 @@ import numpy as np
 
 from .._atomic import write_bytes
 from .._checks import FloatArray, text, truth_value, word
+from .._checks import path as checked_path
 from .._files import decode, parse_json, parse_toml, read_bytes
 from ..errors import ArgumentError, Fault, SceneFileError
 from ._clouds import objects_of, read_cloud
+from ._content import TOUCH_RADIUS, Content, Target, checked_content
 from ._objects import SceneObject
-from ._scene import TOUCH_RADIUS, Scene, Target
 from ._tables import UNITS, SceneFile, numbers_in, parse
 
 SUFFIXES = (".json", ".toml")
@@ -24,13 +25,13 @@ JSON_BYTES = 256 << 20
 TOML_BYTES = 16 << 20
 
 
-def load(path: str | PathLike[str]) -> Scene:
+def load(path: str | PathLike[str]) -> Content:
     """Read a scene file; see `Scene.load`."""
-    file = Path(fspath(path))
+    file = checked_path("path", path)
     if file.suffix not in SUFFIXES:
-        raise ArgumentError("path", repr(fspath(path)), f"a {' or '.join(SUFFIXES)} file")
+        raise ArgumentError("path", repr(str(file)), f"a {' or '.join(SUFFIXES)} file")
     if not file.is_file():
-        raise ArgumentError("path", f"{fspath(path)!r}, which is no file", "an existing file")
+        raise ArgumentError("path", f"{str(file)!r}, which is no file", "an existing file")
 
     def refuse(reason: str) -> SceneFileError:
         return SceneFileError(file.name, [("", reason)])
@@ -38,42 +39,13 @@ def load(path: str | PathLike[str]) -> Scene:
     limit = JSON_BYTES if file.suffix == ".json" else TOML_BYTES
     content = decode(read_bytes(file, refuse, limit), refuse)
     raw: Any = (parse_json if file.suffix == ".json" else parse_toml)(content, refuse)
-    return from_document(raw, name=file.name, folder=file.parent)
+    return content_of(raw, file.name, file.parent)
 
 
-def from_document(
-    document: Any, *, name: str = "document", folder: str | PathLike[str] = "."
-) -> Scene:
-    """Make a scene of what a scene file says.
-
-    Parameters
-    ----------
-    document : dict
-        The content of a scene file, as the JSON or TOML parser returns it.
-    name : str, default "document"
-        What messages call it.
-    folder : path, default "."
-        Where its ``clouds`` are.
-
-    Returns
-    -------
-    Scene
-        In metres.
-
-    Raises
-    ------
-    SceneFileError
-        With every fault and its place.
-
-    Examples
-    --------
-    >>> ball = {"name": "ball", "spheres": [[0, 0, 500, 40]]}
-    >>> scene = from_document({"unit": "mm", "objects": [ball]})
-    >>> scene["ball"].spheres
-    array([[0.  , 0.  , 0.5 , 0.04]])
-    """
+def content_of(document: Any, name: str, folder: str | PathLike[str]) -> Content:
+    """Return what a scene file says; see `from_document`."""
     content, objects = parse(document, text("name", name))
-    objects += _clouds(content, Path(fspath(folder)))
+    objects += _clouds(content, checked_path("folder", folder), name)
     scale = UNITS[content.unit]
     names = {one.name for one in objects}
     targets = {}
@@ -83,11 +55,11 @@ def from_document(
         targets[where] = Target(_point(table.point, scale), tuple(touched))
     touch = content.touch_radius
     try:
-        return Scene(
+        return checked_content(
             objects,
-            targets=targets,
-            exemptions=[(body, one) for body, one in content.exemptions],
-            touch_radius=TOUCH_RADIUS if touch is None else float(numbers_in(touch, scale)),
+            targets,
+            [(body, one) for body, one in content.exemptions],
+            TOUCH_RADIUS if touch is None else float(numbers_in(touch, scale)),
         )
     except ArgumentError as error:
         # What clouds bring is known only now.
@@ -99,7 +71,7 @@ def _point(values: list[float], scale: float) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _clouds(content: SceneFile, folder: Path) -> list[SceneObject]:
+def _clouds(content: SceneFile, folder: Path, name: str) -> list[SceneObject]:
     objects: list[SceneObject] = []
     faults: list[Fault] = []
     scale = UNITS[content.unit]
@@ -119,20 +91,22 @@ def _clouds(content: SceneFile, folder: Path) -> list[SceneObject]:
         except ArgumentError as error:
             faults.append(Fault(place, str(error)))
     if faults:
-        raise SceneFileError("scene", faults)
+        raise SceneFileError(name, faults)
     return objects
 
 
 # ---- writing -------------------------------------------------------------------------------
 
 
-def save(scene: Scene, path: str | PathLike[str], *, unit: str, about: str, force: bool) -> None:
+def save(
+    content: Content, path: str | PathLike[str], *, unit: str, about: str, force: bool
+) -> None:
     """Write a scene file; see `Scene.save`."""
-    file = Path(fspath(path))
+    file = checked_path("path", path)
     if file.suffix not in SUFFIXES:
-        raise ArgumentError("path", repr(fspath(path)), f"a {' or '.join(SUFFIXES)} file")
+        raise ArgumentError("path", repr(str(file)), f"a {' or '.join(SUFFIXES)} file")
     truth_value("force", force)
-    document = document_of(scene, unit=unit, about=about)
+    document = table_of(content, unit=unit, about=about)
     written = _json(document) if file.suffix == ".json" else _toml(document)
 
     def refuse(reason: str) -> SceneFileError:
@@ -141,43 +115,24 @@ def save(scene: Scene, path: str | PathLike[str], *, unit: str, about: str, forc
     write_bytes(file, written.encode(), refuse, force=force)
 
 
-def document_of(scene: Scene, *, unit: str = "m", about: str = "") -> dict[str, Any]:
-    """Return a scene as the content of a scene file.
-
-    Parameters
-    ----------
-    scene : Scene
-    unit : {"m", "mm"}, default "m"
-        Unit of its lengths.
-    about : str, optional
-        One line on what it is.
-
-    Returns
-    -------
-    dict
-        As the JSON and TOML parsers would return it.
-
-    Raises
-    ------
-    UnknownNameError
-        Another unit.
-    """
+def table_of(content: Content, *, unit: str, about: str) -> dict[str, Any]:
+    """Return a scene as the content of a scene file; see `document_of`."""
     scale = UNITS[word("unit", unit, UNITS)]
     document: dict[str, Any] = {"format": 1, "unit": unit}
-    if about:
-        document["about"] = text("about", about)
-    document["touch_radius"] = scene.touch_radius * scale
-    if scene.exemptions:
-        document["exemptions"] = [list(pair) for pair in scene.exemptions]
-    if scene.targets:
+    if text("about", about):
+        document["about"] = about
+    document["touch_radius"] = content.touch_radius * scale
+    if content.exemptions:
+        document["exemptions"] = [list(pair) for pair in content.exemptions]
+    if content.targets:
         document["targets"] = {
             where: {
                 "point": (np.array(target.point) * scale).tolist(),
                 "objects": list(target.objects),
             }
-            for where, target in scene.targets.items()
+            for where, target in content.targets.items()
         }
-    document["objects"] = [_object_table(one, scale) for one in scene.objects]
+    document["objects"] = [_object_table(one, scale) for one in content.objects]
     return document
 
 

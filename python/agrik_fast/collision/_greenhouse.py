@@ -13,8 +13,7 @@ from typing import Any
 from .._checks import real_number, truth_value, whole_number
 from ..errors import ArgumentError
 from ._crop import spiral
-from ._files import from_document
-from ._scene import Scene
+from ._scene import Scene, from_document
 
 _MASK = 2**64 - 1
 _GAMMA = 0x9E3779B97F4A7C15

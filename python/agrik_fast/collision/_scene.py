@@ -3,61 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from os import PathLike
 from types import MappingProxyType
 from typing import Any
 
 from numpy.typing import ArrayLike
 
-from .._bodies import point, pose_of
-from .._checks import real_number, shown, text, word
+from .._bodies import pose_of
+from .._checks import shown, word
 from ..errors import ArgumentError
+from ._content import TOUCH_RADIUS, Content, Pair, Target, checked_content
+from ._files import content_of, load, save, table_of
 from ._objects import SceneObject
 from ._queries import Queries
 
-Pair = tuple[str, str]
-
-TOUCH_RADIUS = 0.15
-"""Distance of the tool point from its target within which the target may be touched, m."""
-
-
-@dataclass(frozen=True)
-class Target:
-    """What the tool is to reach, and the objects that may be touched there.
-
-    Parameters
-    ----------
-    point : array_like, shape (3,), m
-        Where the tool point goes, in the frame of the scene.
-    objects : sequence of str
-        Names of the objects that the bodies which may touch a target do not mind near it: a
-        fruit and its stalk.
-
-    Raises
-    ------
-    ArgumentError
-        Not three finite numbers; not names.
-    """
-
-    point: tuple[float, float, float]
-    objects: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "point", point("point", self.point))
-        names: object = self.objects
-        if isinstance(names, str) or not isinstance(names, Iterable):
-            raise ArgumentError("objects", shown(names), "a sequence of names")
-        object.__setattr__(self, "objects", tuple(text("objects", name) for name in self.objects))
-
-
-@dataclass(frozen=True)
-class _Content:
-    objects: tuple[SceneObject, ...]
-    targets: dict[str, Target] = field(default_factory=dict)
-    exemptions: tuple[Pair, ...] = ()
-    touch_radius: float = TOUCH_RADIUS
-    target: str | None = None
+__all__ = ["Scene", "document_of", "from_document"]
 
 
 class Scene(Queries):
@@ -96,7 +57,7 @@ class Scene(Queries):
 
     __slots__ = ("_content",)
 
-    _content: _Content
+    _content: Content
 
     def __init__(
         self,
@@ -106,21 +67,7 @@ class Scene(Queries):
         exemptions: Iterable[Pair] = (),
         touch_radius: float = TOUCH_RADIUS,
     ) -> None:
-        content = _Content(
-            _checked_objects(objects),
-            dict(targets or {}),
-            tuple(_checked_pair(pair) for pair in exemptions),
-            real_number("touch_radius", touch_radius, 0.0, unit="m"),
-        )
-        names = [one.name for one in content.objects]
-        for where, target in content.targets.items():
-            if not isinstance(target, Target):
-                raise ArgumentError(f"targets of {where!r}", repr(target), "a Target")
-            for name in target.objects:
-                word(f"object of target {where!r}", name, names)
-        for _, name in content.exemptions:
-            word("object of an exemption", name, names)
-        self._content = content
+        self._content = checked_content(objects, targets, exemptions, touch_radius)
         self._made = None
         self._colliders = {}
 
@@ -297,9 +244,7 @@ class Scene(Queries):
         ArgumentError
             The path leads to no file of a known kind.
         """
-        from ._files import load
-
-        return load(path)
+        return _rebuilt(load(path))
 
     def save(
         self, path: str | PathLike[str], *, unit: str = "m", about: str = "", force: bool = False
@@ -324,15 +269,13 @@ class Scene(Queries):
         ArgumentError
             Another suffix or unit.
         """
-        from ._files import save
-
-        save(self, path, unit=unit, about=about, force=force)
+        save(self._content, path, unit=unit, about=about, force=force)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuilt, (self._content,)
 
 
-def _rebuilt(content: _Content) -> Scene:
+def _rebuilt(content: Content) -> Scene:
     scene = Scene(
         content.objects,
         targets=content.targets,
@@ -343,24 +286,61 @@ def _rebuilt(content: _Content) -> Scene:
     return scene
 
 
-def _checked_objects(objects: Iterable[SceneObject]) -> tuple[SceneObject, ...]:
-    if not isinstance(objects, Iterable):
-        raise ArgumentError("objects", shown(objects), "an iterable of SceneObject")
-    found = tuple(objects)
-    seen: dict[str, int] = {}
-    twice: list[str] = []
-    for one in found:
-        if not isinstance(one, SceneObject):
-            raise ArgumentError("objects", shown(one), "an iterable of SceneObject")
-        seen[one.name] = seen.get(one.name, 0) + 1
-        if seen[one.name] == 2:
-            twice.append(repr(one.name))
-    if twice:
-        raise ArgumentError("objects", f"the name {', '.join(twice)} twice", "names of their own")
-    return found
+def from_document(
+    document: Any, *, name: str = "document", folder: str | PathLike[str] = "."
+) -> Scene:
+    """Make a scene of what a scene file says.
+
+    Parameters
+    ----------
+    document : dict
+        The content of a scene file, as the JSON or TOML parser returns it.
+    name : str, default "document"
+        What messages call it.
+    folder : path, default "."
+        Where its ``clouds`` are.
+
+    Returns
+    -------
+    Scene
+        In metres.
+
+    Raises
+    ------
+    SceneFileError
+        With every fault and its place.
+
+    Examples
+    --------
+    >>> ball = {"name": "ball", "spheres": [[0, 0, 500, 40]]}
+    >>> scene = from_document({"unit": "mm", "objects": [ball]})
+    >>> scene["ball"].spheres
+    array([[0.  , 0.  , 0.5 , 0.04]])
+    """
+    return _rebuilt(content_of(document, name, folder))
 
 
-def _checked_pair(pair: object) -> Pair:
-    if isinstance(pair, str) or not isinstance(pair, Iterable) or len(both := tuple(pair)) != 2:
-        raise ArgumentError("exemptions", shown(pair), "pairs of a body and an object")
-    return text("body of an exemption", both[0]), text("object of an exemption", both[1])
+def document_of(scene: Scene, *, unit: str = "m", about: str = "") -> dict[str, Any]:
+    """Return a scene as the content of a scene file.
+
+    Parameters
+    ----------
+    scene : Scene
+    unit : {"m", "mm"}, default "m"
+        Unit of its lengths.
+    about : str, optional
+        One line on what it is.
+
+    Returns
+    -------
+    dict
+        As the JSON and TOML parsers would return it.
+
+    Raises
+    ------
+    ArgumentError
+        Another unit; no scene.
+    """
+    if not isinstance(scene, Scene):
+        raise ArgumentError("scene", shown(scene), "a Scene")
+    return table_of(scene._content, unit=unit, about=about)

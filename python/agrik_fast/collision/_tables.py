@@ -348,12 +348,13 @@ def _box(
         Box(middle, halves, rows, float(numbers_in(radius, scale)))  # type: ignore[arg-type]
     except ArgumentError as error:
         key = {"rotation": "R"}.get(error.argument, error.argument)
-        if np.isfinite(np.array([*centre, *half], dtype=np.float64)).all() or key == "R":
+        if np.isfinite(np.asarray([centre, half], dtype=np.float64)).all() or key == "R":
             message = f"expected {error.expected}, got {error.received}"
             faults.append(Fault(f"{place}, {key}", message))
         return None
-    flat = [float(x) for row in rows for x in row]
-    return [*middle.tolist(), *halves.tolist(), *flat, float(numbers_in(radius, scale))]
+    parts = (middle, halves, np.array(rows, dtype=np.float64), numbers_in(radius, scale))
+    flat: list[float] = np.concatenate([part.ravel() for part in parts]).tolist()
+    return flat
 
 
 def _hull(

@@ -22,8 +22,7 @@ from ._writer import ResultWriter
 
 def record_dtype(layout: ResultLayout, id_dtype: np.dtype[Any]) -> np.dtype[Any]:
     """Return the structured type of one result row."""
-    names = f"<U{layout.name_letters}"
-    scene = zip(SCENE_COLUMNS, ("<f8", names, names), strict=True)
+    kinds = (np.float64, *2 * (f"<U{layout.name_letters}",))
     return np.dtype(
         [
             ("id", id_dtype),
@@ -34,7 +33,7 @@ def record_dtype(layout: ResultLayout, id_dtype: np.dtype[Any]) -> np.dtype[Any]
             ("orientation_error_rad", np.float64),
             ("iterations", np.int32),
             ("restarts", np.int32),
-            *(scene if layout.name_letters else ()),
+            *(zip(SCENE_COLUMNS, kinds, strict=True) if layout.name_letters else ()),
         ]
     )
 
@@ -106,6 +105,8 @@ class NpzWriter(ResultWriter):
 
     def _finish(self) -> None:
         joined = ResultChunk.joined(self._gathered)
+        columns = scene_columns(self.layout, joined) or ()
+        scene: dict[str, Any] = dict(zip(SCENE_COLUMNS, columns, strict=False))
         np.savez_compressed(
             cast(Any, self._file.stream),
             id=joined.ids,
@@ -118,6 +119,6 @@ class NpzWriter(ResultWriter):
             orientation_error_rad=joined.orientation_error,
             iterations=joined.iterations,
             restarts=joined.restarts,
-            **dict(zip(SCENE_COLUMNS, scene_columns(self.layout, joined) or (), strict=False)),
+            **scene,
             metadata=np.array(json.dumps(self.layout.metadata, sort_keys=True)),
         )

@@ -174,17 +174,22 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     progress = Silent() if progress is None else progress
     check_result_path(request.output)
     _check_tolerances(request)
+    if not (np.isfinite(request.clear) and request.clear >= 0.0):
+        raise ArgumentError("clear", repr(request.clear), "a number >= 0")
+    if request.scene is None and (request.clear != 0.0 or request.prefer != "first"):
+        raise ArgumentError("scene", "none", "one, since `clear` or `prefer` asks for it")
     robot = request.choice.load()
     reader = read_targets(request.targets)
     if request.output.exists() and request.output.samefile(request.targets):
         raise ResultFileError(request.output, "is the target file, expected another name")
     task_name, task = choose_task(request, reader)
+    letters = _name_letters(robot, request)
     summary = Summary(robot.name, task_name, with_orientation=task_name != "position")
     layout = ResultLayout(
         ResultLayout.joint_names(robot.joint_names, robot.joint_types),
         reader.has_text_ids,
         _metadata(request, robot, task_name),
-        _name_letters(robot, request),
+        letters,
     )
     work = Pipeline(reader.chunks(), _solver(robot, task, request))
     with open_results(request.output, layout, force=request.force) as writer, progress:

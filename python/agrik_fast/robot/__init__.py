@@ -17,7 +17,10 @@ from . import _prepared, _sources
 from ._collision import CollisionBodies
 from ._definition import Definition, UrdfSolids, from_robot_file, from_urdf, urdf_solids
 from ._dh_rows import CONVENTIONS, DhRow, read_table
+from ._inverse import PREFERENCES as PREFERENCES
 from ._inverse import InverseKinematics
+from ._inverse import Prefer as Prefer
+from ._inverse import SceneOf as SceneOf
 from ._path import Path
 
 __all__ = ["DhRow", "Path", "Robot", "file_schema"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
@@ -12,7 +12,7 @@ import numpy as np
 
 from .. import _native
 from .._bodies import CYLINDERS, MESHES, Body, CollisionRules, UrdfGeometry, mesh_places
-from .._checks import FloatArray, shown, word
+from .._checks import FloatArray, items, shown, word
 from .._files import listing
 from .._warnings import warn
 from ..errors import ArgumentError, RobotWarning, UrdfError
@@ -94,13 +94,11 @@ def urdf_solids(
     """
     word("cylinder", cylinder, CYLINDERS)
     word("mesh", mesh, MESHES)
-    if isinstance(mesh_folders, str) or not isinstance(mesh_folders, Iterable):
-        raise ArgumentError("mesh_folders", shown(mesh_folders), "a sequence of paths")
     try:
-        folders = tuple(Path(fspath(folder)) for folder in mesh_folders)
+        folders = [Path(fspath(one)) for one in items("mesh_folders", mesh_folders, "paths")]
     except TypeError:
-        raise ArgumentError("mesh_folders", shown(mesh_folders), "a sequence of paths") from None
-    return UrdfSolids(cylinder, mesh, folders)
+        raise ArgumentError("mesh_folders", shown(mesh_folders), "paths") from None
+    return UrdfSolids(cylinder, mesh, tuple(folders))
 
 
 def from_urdf(

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Literal, Protocol, cast
+from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, float_array, whole_number
+from .._checks import FloatArray, float_array, whole_number, word
 from .._stream import solve_ahead
 from ._path import Path
 
@@ -20,6 +20,13 @@ if TYPE_CHECKING:
     from . import Robot
 
 __all__ = ["InverseKinematics"]
+
+
+Prefer: TypeAlias = Literal["first", "near", "clearance"]
+"""Which of several postures that are free of collisions."""
+
+PREFERENCES: tuple[Prefer, ...] = ("first", "near", "clearance")
+"""All of them."""
 
 
 class SceneOf(Protocol):
@@ -52,7 +59,7 @@ class InverseKinematics:
         first_index: int = 0,
         scene: SceneOf | Collider | None = None,
         clear: float = 0.0,
-        prefer: Literal["first", "near", "clearance"] = "first",
+        prefer: Prefer = "first",
     ) -> IkResult:
         """Inverse kinematics of a batch of targets.
 
@@ -158,7 +165,7 @@ class InverseKinematics:
             tolerance_frame,
             _collider(self, scene),
             clear,
-            prefer,
+            word("prefer", prefer, PREFERENCES),
         )
 
     def solver(
@@ -474,7 +481,7 @@ class InverseKinematics:
         first_index: int = 0,
         scene: SceneOf | Collider | None = None,
         clear: float = 0.0,
-        prefer: Literal["first", "near", "clearance"] = "first",
+        prefer: Prefer = "first",
     ) -> Iterator[IkResult]:
         """Inverse kinematics of a stream of chunks, for more targets than memory holds.
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _atomic
-from .._checks import file_path, truth_value
+from .. import _atomic, _checks
+from .._checks import truth_value
 from .._native import Chain
 from ..errors import AgrikError, ArgumentError, RobotFileError
 from ._definition import Definition
@@ -24,7 +24,7 @@ def write(definition: Definition, chain: Chain, path: str | PathLike[str], *, fo
     """Write a robot; see `agrik_fast.Robot.save`."""
     import tomli_w
 
-    file = file_path("path", path)
+    file = _checks.path("path", path)
     truth_value("force", force)
     if file.suffix.lower() != ".toml":
         raise ArgumentError("path", repr(str(file)), "the name of a .toml file")
