@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -270,12 +270,15 @@ class InverseKinematics:
         *,
         position_tolerance: float = 1e-6,
         orientation_tolerance: float = 1e-6,
+        locked: Mapping[str, ArrayLike] | None = None,
     ) -> Branches:
         """Every branch of the inverse kinematics of an arm with a closed form.
 
         Six revolute joints of which the last three axes meet have up to eight branches;
         seven revolute joints of which also the first three meet (S-R-S) have up to eight
-        for each arm angle. Each branch is checked by forward kinematics.
+        for each arm angle. Each branch is checked by forward kinematics. An arm with more
+        joints has the branches of what is left when some are locked, as one on a slide at
+        each place of it.
 
         Parameters
         ----------
@@ -296,6 +299,10 @@ class InverseKinematics:
             reachable targets come to rounding; this decides at the edge of the reach.
         orientation_tolerance : float, default 1e-6
             Largest angle between tool and target orientation, rad; above 0.
+        locked : mapping of str to array_like, shape broadcastable to (...), optional
+            Joints that are kept where they are, by name, and their values within the limits,
+            rad or m: one for all targets, or one a target. What is left must have a closed
+            form. A NaN makes its target ``BAD_INPUT``.
 
         Returns
         -------
@@ -309,7 +316,10 @@ class InverseKinematics:
         Raises
         ------
         ArgumentError
-            The arm has no closed form (the message says why), or an argument is wrong.
+            The arm has no closed form (the message says why), or an argument is wrong, as
+            a locked value outside the limits.
+        UnknownNameError
+            `locked` names a joint that the arm has not; the message names the nearest.
         KeyboardInterrupt
             Ctrl-C; a long batch stops within a second.
 
@@ -320,6 +330,14 @@ class InverseKinematics:
         >>> branches = arm.ik_all(arm.fk([0.1, 0.6, -0.4, 0.3, 0.5, 0.2]))
         >>> branches.q.shape, int(branches.valid.sum())
         ((8, 6), 4)
+
+        An arm on a slide, at one place of the slide:
+
+        >>> arm = ik.Robot.load("cucumber")
+        >>> pose = arm.fk([0.5, 0.1, -0.9, 0.3, 0.2, 0.4, 3.0])
+        >>> branches = arm.ik_all(pose, locked={"d1": 0.5})
+        >>> branches.q.shape, int(branches.reached.sum())
+        ((8, 7), 8)
         """
         return self._chain.ik_all(
             targets,
@@ -329,6 +347,7 @@ class InverseKinematics:
             arm_angle,
             position_tolerance,
             orientation_tolerance,
+            locked,
         )
 
     def arm_angle(self, q: ArrayLike) -> FloatArray:

@@ -1,7 +1,8 @@
-//! Python bindings of `agrik`, the module `agrik_fast._native`: converts and checks
+//! Python bindings of `agrik` and the crates beside it, the module `agrik_fast._native`: converts and checks
 //! arguments, releases the interpreter around compute, turns errors into exceptions.
 
 mod arms;
+mod collision;
 mod convert;
 mod errors;
 mod ik;
@@ -22,6 +23,14 @@ mod _native {
     use arms::strawberry::{StrawberryArm, ik_record};
     #[pymodule_export]
     use arms::tomato::{TomatoArm, ik_paced};
+    #[pymodule_export]
+    use collision::bodies::Bodies;
+    #[pymodule_export]
+    use collision::collider::Collider;
+    #[pymodule_export]
+    use collision::distances::Distances;
+    #[pymodule_export]
+    use collision::scene::Scene;
     #[pymodule_export]
     use errors::_panic;
     #[pymodule_export]

@@ -5,22 +5,36 @@
 //! last kind (singular postures at joint limits, mostly) go on to the step solver, each by
 //! itself: with the request's seed and its own index, so that its answer does not depend on
 //! what else is in the batch.
+//!
+//! Of an arm on a slide the slide is swept, and the arm behind it solved in closed form; that
+//! proves nothing, so the step solver gets all that the sweep leaves open.
 
 use std::sync::OnceLock;
 
-use crate::call::{AnswersMut, Request, Solve, Status};
-use crate::closed_form::{ArmAngle, Choice, Query};
+use crate::call::{AnswersMut, Outcome, Request, Solve, Status};
+use crate::closed_form::{ArmAngle, Choice, ClosedForm, Lead, Query, Sweep};
 use crate::error::Result;
 use crate::lanes::Level;
 use crate::solve::{Plan, Settings};
 
 /// So many open targets are solved together: enough to fill the lanes.
 const TOGETHER: usize = 64;
+/// Rows that a thread takes at a time where each is a sweep.
+const SWEPT: usize = 16;
+
+/// How the closed form is asked.
+#[derive(Debug, Clone)]
+enum Form<'a> {
+    /// For the best branch of each target.
+    Query(Query<'a>),
+    /// The same of an arm on a slide.
+    Sweep(Box<Sweep<'a>>),
+}
 
 /// A request to the closed form with the default step solver behind it.
 #[derive(Debug, Clone)]
 pub struct Auto<'a> {
-    query: Query<'a>,
+    form: Form<'a>,
     request: Request<'a>,
     /// Made for the first target that needs it: mostly none does.
     plan: OnceLock<Result<Box<Plan<'a>>>>,
@@ -28,10 +42,42 @@ pub struct Auto<'a> {
 
 impl<'a> Auto<'a> {
     /// A checked request for full poses of an arm with a closed form; the nearest branch, of
-    /// all arm angles where one is free.
+    /// all arm angles or places of the slide where one is free.
     pub fn new(request: Request<'a>) -> Result<Self> {
-        let query = Query::new(request, ArmAngle::Free, Choice::default())?;
-        Ok(Self { query, request, plan: OnceLock::new() })
+        let form = match Sweep::new(request)? {
+            Some(sweep) => Form::Sweep(Box::new(sweep)),
+            None => Form::Query(Query::new(request, ArmAngle::Free, Choice::default())?),
+        };
+        Ok(Self { form, request, plan: OnceLock::new() })
+    }
+
+    /// A request that [`Self::new`] takes.
+    pub fn knows(request: &Request<'_>) -> bool {
+        let chain = request.chain();
+        request.task().fixes_pose()
+            && (ClosedForm::of(chain).is_ok() || Lead::slide(chain).is_some())
+    }
+
+    /// Puts the closed form's answers into rows; false where `keep_going` said no.
+    fn ask(
+        &self,
+        level: Level,
+        rows: &mut AnswersMut<'_>,
+        keep_going: &mut dyn FnMut() -> bool,
+    ) -> bool {
+        match &self.form {
+            Form::Query(query) => {
+                let mut all = Some(rows.reborrow());
+                query.run(level, &mut || all.take(), keep_going)
+            }
+            Form::Sweep(sweep) => (0..rows.len()).all(|i| {
+                if !sweep.answer(rows, i) {
+                    let open = Outcome::unanswered(Status::NotFound);
+                    rows.finish(i, open);
+                }
+                keep_going()
+            }),
+        }
     }
 
     /// Solves what is left open; false where `keep_going` said no.
@@ -59,13 +105,16 @@ impl<'a> Auto<'a> {
 
 impl Solve for Auto<'_> {
     fn rows(&self) -> usize {
-        self.query.rows()
+        self.request.len()
     }
     fn dof(&self) -> usize {
-        self.query.dof()
+        self.request.chain().dof()
     }
     fn run_length(&self) -> usize {
-        self.query.run_length()
+        match &self.form {
+            Form::Query(query) => query.run_length(),
+            Form::Sweep(_) => SWEPT,
+        }
     }
     fn run<'b>(
         &self,
@@ -75,8 +124,7 @@ impl Solve for Auto<'_> {
     ) -> bool {
         let mut open = Vec::new();
         while let Some(mut rows) = next() {
-            let mut all = Some(rows.reborrow());
-            if !self.query.run(level, &mut || all.take(), keep_going) {
+            if !self.ask(level, &mut rows, keep_going) {
                 return false;
             }
             if rows.any(Status::NotFound) {

@@ -222,7 +222,7 @@ impl<'py> ArmAngles<'py> {
 }
 
 /// Numbers of an argument that broadcasts to the targets' leading shape.
-fn spread<'py>(
+pub fn spread<'py>(
     argument: &str,
     value: &Bound<'py, PyAny>,
     leading: &[usize],

@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 
 use super::arguments::{Arguments, ArmAngles, Call};
 use super::branches::Branches;
+use super::locked::Locked;
 use super::signals::Signals;
 use crate::convert::{self, shape_text};
 use crate::errors;
@@ -49,6 +50,7 @@ pub fn solve_all<'py>(
     chain: &Chain,
     given: &Arguments<'_, 'py>,
     arm_angle: Option<&Bound<'py, PyAny>>,
+    locked: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Branches> {
     let call = Call::new(py, chain, given)?;
     let leading = call.targets.leading_shape();
@@ -60,6 +62,20 @@ pub fn solve_all<'py>(
     let angles = ArmAngles::new(arm_angle, leading)?;
     let mut points = Vec::new();
     let request = call.request(py, chain, &mut points)?;
+    let locked = Locked::new(locked, chain, leading)?;
+    if !locked.is_empty() {
+        let (locks, angle, threads) = (locked.locks()?, angles.values()?, call.options.threads);
+        let mut signals = Signals::new();
+        let all = py.detach(|| {
+            closed_form::all_locked(&request, &locks, angle, threads, &mut || {
+                signals.go_on_detached()
+            })
+        });
+        return match all {
+            Ok(all) => Ok(Branches::new(leading.to_vec(), chain.dof(), all, None)),
+            Err(error) => Err(signals.exception(py, error)),
+        };
+    }
     let query = Query::new(request, angles.values()?, Choice::default())
         .map_err(|error| errors::from_core(py, error))?;
     if call.targets.is_single() {

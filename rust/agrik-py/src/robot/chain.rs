@@ -323,7 +323,7 @@ impl Chain {
     /// All branches of a batch of poses; see `agrik_fast.Robot.ik_all`.
     #[pyo3(signature = (
         targets, q0=None, tool=None, threads=None, arm_angle=None, position_tolerance=None,
-        orientation_tolerance=None
+        orientation_tolerance=None, locked=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn ik_all(
@@ -336,6 +336,7 @@ impl Chain {
         arm_angle: Option<&Bound<'_, PyAny>>,
         position_tolerance: Option<&Bound<'_, PyAny>>,
         orientation_tolerance: Option<&Bound<'_, PyAny>>,
+        locked: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Branches> {
         let given = Arguments {
             targets,
@@ -349,7 +350,7 @@ impl Chain {
             orientation_tolerance,
             first_index: None,
         };
-        batch::solve_all(py, &self.0, &given, arm_angle)
+        batch::solve_all(py, &self.0, &given, arm_angle, locked)
     }
 
     /// Arm angles, shape (...), rad, of joint values, shape (..., dof), of an S-R-S arm.

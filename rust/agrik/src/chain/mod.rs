@@ -3,6 +3,7 @@
 mod compiled;
 mod dh;
 mod joint;
+mod locked;
 mod memo;
 mod reach;
 mod urdf;

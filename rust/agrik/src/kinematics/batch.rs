@@ -1,6 +1,6 @@
 //! Poses and Jacobians of many configurations, several in step.
 
-use super::{Workspace, columns, forward};
+use super::{Frame, Workspace, columns, forward};
 use crate::chain::{Chain, Tail};
 use crate::lanes::{Kernel, Level, Real, V3, WIDEST, dispatch, dispatch_single};
 
@@ -16,6 +16,18 @@ pub fn tool_poses(chain: &Chain, q: &[f64], out: &mut [f64]) {
 /// velocity of the tool point, then angular velocity, both in the world frame.
 pub fn tool_jacobians(chain: &Chain, q: &[f64], out: &mut [f64]) {
     run(q.len() / chain.dof(), Jacobians { chain, q, out });
+}
+
+/// Numbers of one frame of [`moving_frames`].
+pub const FRAME: usize = 12;
+
+/// Where the frames of all moving joints are at all rows of `q`: of each row one frame after
+/// another along [`Compiled::links`](crate::chain::Compiled), [`FRAME`] numbers each, the rotation
+/// row by row and then the origin (m).
+///
+/// A frame moves with its joint, and lies where the axis of the next one does.
+pub fn moving_frames(chain: &Chain, q: &[f64], out: &mut [f64]) {
+    run(q.len() / chain.dof(), Frames { chain, q, out });
 }
 
 /// Runs a kernel over rows; a pass over all lanes does not pay for one or two of them.
@@ -56,6 +68,38 @@ fn pose_rows<R: Real>(workspace: &Workspace<R>, tail: &Tail) -> [R; POSE] {
     let p = workspace.tool_point(tail.translation);
     let (zero, one) = (R::zero(), R::splat(1.0));
     [x[0], y[0], z[0], p[0], x[1], y[1], z[1], p[1], x[2], y[2], z[2], p[2], zero, zero, zero, one]
+}
+
+struct Frames<'a> {
+    chain: &'a Chain,
+    q: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl Kernel for Frames<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        let compiled = self.chain.compiled();
+        let dof = compiled.dof;
+        let size = FRAME * compiled.links.len();
+        let mut q = vec![R::zero(); dof];
+        let mut frames = vec![R::zero(); size];
+        let groups = self.q.chunks(dof * R::WIDTH).zip(self.out.chunks_mut(size * R::WIDTH));
+        for (from, to) in groups {
+            let rows = from.len() / dof;
+            load(from, dof, rows, &mut q);
+            let mut frame = Frame::start(compiled);
+            for (i, one) in frames.as_chunks_mut::<FRAME>().0.iter_mut().enumerate() {
+                frame = frame.after(compiled, i..i + 1, &q);
+                let [x, y, z] = frame.axes();
+                let p = frame.point([0.0; 3]);
+                *one = [x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2], p[0], p[1], p[2]];
+            }
+            unload(&frames, to);
+        }
+    }
 }
 
 struct Jacobians<'a> {

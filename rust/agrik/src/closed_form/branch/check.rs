@@ -54,6 +54,30 @@ pub fn wrap_one<R: Real>(limits: &[Limit], one: &mut Candidate<R>, centre: &[R; 
     wrap(limits, &mut one.q, centre)
 }
 
+/// A branch that misses by less (m, rad) is exact, but for rounding.
+const EXACT: f64 = 1e-9;
+
+/// Of the branches of one target (a bit each) those that are branches: one that is only within
+/// the tolerances, as where the arm is a little too short, is none beside an exact one, unless
+/// it alone is inside the limits.
+#[inline(always)]
+pub fn without_rough(reached: Lanes, inside: Lanes, exact: Lanes) -> Lanes {
+    let exact = exact & reached;
+    if exact == 0 {
+        reached
+    } else if exact & inside != 0 {
+        exact
+    } else {
+        exact | reached & inside
+    }
+}
+
+/// Lanes in which what is left is nothing but rounding.
+#[inline(always)]
+pub fn is_exact<R: Real>(position2: R, chord2: R) -> Lanes {
+    R::bits((position2 + chord2).le(R::splat(EXACT * EXACT)))
+}
+
 /// Two branches that differ in the last three joints alone.
 pub type Pair<R> = [Candidate<R>; 2];
 

@@ -5,10 +5,11 @@ use super::last_resort;
 use super::one_pose::Alone;
 use super::query::{FEW, Query, RUN};
 use crate::call::Status;
+use crate::closed_form::branch::check::{is_exact, without_rough};
 use crate::closed_form::branch::group::Group;
 use crate::closed_form::branch::unreachable::is_out_of_reach;
 use crate::error::{Error, Result};
-use crate::lanes::{Kernel, Level, Real, dispatch};
+use crate::lanes::{Kernel, Lanes, Level, Real, dispatch};
 use crate::threads::share;
 
 /// All branches of every target, on `threads` threads (0: the number in force); `poll` as
@@ -99,12 +100,13 @@ fn write<R: Real>(
         return;
     }
     let mut any_valid = false;
+    let left = kept(group, lane, count);
     for (b, one) in q.chunks_exact_mut(joints).enumerate() {
         let candidate = &group.candidates[b];
         for (x, variable) in candidate.q.iter().zip(variables) {
             one[*variable] = x.lane(lane);
         }
-        let reached = group.reached[b] >> lane & 1 != 0;
+        let reached = left >> b & 1 != 0;
         let valid = reached && group.inside[b] >> lane & 1 != 0;
         any_valid |= valid;
         rows.reached[i * count + b] = reached;
@@ -113,6 +115,18 @@ fn write<R: Real>(
     }
     rows.status[i] =
         if any_valid { Status::Converged as u8 } else { none(group, lane, rows, i) as u8 };
+}
+
+/// The branches of a lane that are such beside the others, a bit each.
+#[inline(always)]
+fn kept<R: Real>(group: &Group<'_, R>, lane: usize, count: usize) -> Lanes {
+    let (mut reached, mut inside, mut exact) = (0, 0, 0);
+    for b in 0..count {
+        reached |= (group.reached[b] >> lane & 1) << b;
+        inside |= (group.inside[b] >> lane & 1) << b;
+        exact |= (is_exact(group.position2[b], group.chord2[b]) >> lane & 1) << b;
+    }
+    without_rough(reached, inside, exact)
 }
 
 /// Looks once more at a target without a valid branch.
@@ -159,7 +173,10 @@ impl Kernel for OneByOne<'_, '_> {
         for i in 0..rows.len() {
             let mut found = Alone::new(&job);
             match query.alone::<R>(&job, rows.first + i) {
-                Some(target) => found.solve(&job, &target, None),
+                Some(target) => {
+                    found.solve(&job, &target, None);
+                    found.drop_rough();
+                }
                 None => found.stand_in(&job),
             }
             let room = count * joints;

@@ -5,5 +5,7 @@ pub mod arm_angle;
 mod best_branch;
 pub mod branches;
 mod last_resort;
+pub mod locked;
 pub mod one_pose;
 pub mod query;
+pub mod slide;

@@ -1,10 +1,12 @@
 //! Which arms have a closed form: one file a family, and the choice between them.
 
+mod lead;
 mod shoulder;
 mod shoulder_arcs;
 pub mod spherical_wrist;
 pub mod srs;
 
+pub use lead::Lead;
 pub use shoulder::Kind;
 pub use spherical_wrist::SphericalWrist;
 pub use srs::Srs;

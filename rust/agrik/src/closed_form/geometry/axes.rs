@@ -56,8 +56,9 @@ impl Geometry {
     /// The axes of a chain, or why they cannot be taken as such.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let compiled = chain.compiled();
-        if compiled.links.iter().any(|link| link.prismatic) {
-            return Err("it has a prismatic joint".to_owned());
+        if let Some(slide) = compiled.links.iter().find(|link| link.prismatic) {
+            let name = &chain.variables()[slide.variable].name;
+            return Err(format!("its prismatic joint '{name}' is not locked at a value"));
         }
         let alone = compiled.links.len() == compiled.dof
             && compiled.links.iter().all(|link| link.multiplier == 1.0);

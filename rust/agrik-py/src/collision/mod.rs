@@ -1,0 +1,7 @@
+//! Arms with bodies in scenes, and what hits what: the classes `Scene`, `Bodies`, `Collider`.
+
+pub mod bodies;
+pub mod collider;
+pub mod distances;
+mod rows;
+pub mod scene;
