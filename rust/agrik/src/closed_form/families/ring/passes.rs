@@ -2,19 +2,15 @@
 //! roots, then postures, so that a batch keeps them full; of a single goal they hold the samples
 //! first. What a lane computes does not depend on the others.
 
-use super::Set;
 use super::cut::{Cut, ROWS};
 use super::isolate::{Arcs, Place, arcs, places};
 use super::null::{Factors, Products, angles, distance, two_products};
 use super::resultant::{ANGLES, HARMONICS, Harmonics, SAMPLES, harmonics, sample, value};
+use crate::closed_form::families::postures::{FINE, NEAR, Set};
 use crate::closed_form::geometry::rigid::Rigid;
-use crate::closed_form::geometry::serial::{Serial, lanes};
+use crate::closed_form::geometry::serial::Serial;
 use crate::lanes::{Kernel, Real, WIDEST, atan2_each};
 
-/// Postures with less left (squares of it) are answers; arm lengths and rad.
-pub const NEAR: f64 = 1e-10;
-/// Newton's steps stop below this.
-pub const FINE: f64 = 1e-13;
 /// Steps of a start, and of one that is promising after them.
 const STEPS: usize = 8;
 const MORE_STEPS: usize = 20;

@@ -1,7 +1,7 @@
 //! Goals at which the polynomial is of no use, or which lack one of a pair of postures.
 
-use super::passes::{FINE, NEAR, Work};
-use super::{NOISY, Ring, Set};
+use super::{NOISY, Ring, Work};
+use crate::closed_form::families::postures::{FINE, NEAR, Set};
 use crate::closed_form::geometry::rigid::{Rigid, turn_about};
 use crate::closed_form::geometry::serial::Posture;
 use crate::lanes::Level;
