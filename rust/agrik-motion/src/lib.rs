@@ -7,4 +7,4 @@
 pub mod body;
 
 pub use agrik_compute::{Error, Result};
-pub use body::{Bodies, Body, Collider, Contact, Other, Placed, Shape, Touch};
+pub use body::{Bodies, Body, Collider, Contact, Free, Other, Placed, Shape, Touch};
