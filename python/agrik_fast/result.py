@@ -52,3 +52,7 @@ class Status(IntEnum):
 
     NON_FINITE = 5
     """Numbers of a feedback solver grew beyond all bounds, as those of an unstable A do."""
+
+    IN_COLLISION = 6
+    """Reached within tolerances and limits, but by no posture found that keeps clear of the
+    scene and of the arm itself; the least bad one is returned (only with a scene)."""

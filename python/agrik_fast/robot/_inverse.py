@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,12 +13,20 @@ from .._stream import solve_ahead
 from ._path import Path
 
 if TYPE_CHECKING:
-    from .._native import Chain, TargetSolver
+    from .._native import Chain, Collider, TargetSolver
     from ..result import Branches, IkResult
     from ..solvers import DifferentialEvolution, GeneticAlgorithm, Solver
     from ..tasks import Task
+    from . import Robot
 
 __all__ = ["InverseKinematics"]
+
+
+class SceneOf(Protocol):
+    """What has a collider for an arm: `agrik_fast.collision.Scene`, which stands above here."""
+
+    def collider(self, arm: Robot, /) -> Collider:
+        """Return the arm's bodies in the scene."""
 
 
 class InverseKinematics:
@@ -41,6 +49,9 @@ class InverseKinematics:
         position_tolerance: float = 1e-6,
         orientation_tolerance: float = 1e-6,
         first_index: int = 0,
+        scene: SceneOf | Collider | None = None,
+        clear: float = 0.0,
+        prefer: Literal["first", "near", "clearance"] = "first",
     ) -> IkResult:
         """Inverse kinematics of a batch of targets.
 
@@ -78,12 +89,26 @@ class InverseKinematics:
         first_index : int, default 0
             Index of the first target within a larger batch, so that the pieces of a
             batch get the answers of the whole.
+        scene : Scene, optional
+            What answers must not hit, see `agrik_fast.collision`; the arm needs bodies. Among
+            the branches, restarts and free angles of a target one is looked for at which the
+            arm hits neither the scene nor itself. Where all that reach the target hit, the
+            status is ``IN_COLLISION``, with the least bad posture; ``nearest_pair`` of the
+            result says what hits what.
+        clear : float, default 0, m
+            Distance that answers keep from the scene, more than which it has to be; of pairs
+            of the arm's own bodies it is 0.
+        prefer : {"first", "near", "clearance"}, default "first"
+            Which of several free postures: the first one found (of a closed form the best by
+            its own choice), the nearest to `q0` (without it to the middle of the limits), or
+            the one farthest away from everything, which a redundant arm then moves farther
+            away. The last two look at more postures, and take longer.
 
         Returns
         -------
         IkResult
             Joint values, success, status, errors and effort, in the targets' leading
-            shape.
+            shape; with a scene also clearances and what is nearest.
 
         Raises
         ------
@@ -107,6 +132,9 @@ class InverseKinematics:
             position_tolerance,
             orientation_tolerance,
             first_index,
+            _collider(self, scene),
+            clear,
+            prefer,
         )
 
     def solver(
@@ -415,6 +443,9 @@ class InverseKinematics:
         position_tolerance: float = 1e-6,
         orientation_tolerance: float = 1e-6,
         first_index: int = 0,
+        scene: SceneOf | Collider | None = None,
+        clear: float = 0.0,
+        prefer: Literal["first", "near", "clearance"] = "first",
     ) -> Iterator[IkResult]:
         """Inverse kinematics of a stream of chunks, for more targets than memory holds.
 
@@ -426,7 +457,8 @@ class InverseKinematics:
         ----------
         chunks : iterable of array_like, each of shape (..., 4, 4) or (..., 3)
             Targets as for `ik`; some tens of thousands in a chunk keep all cores busy.
-        task, solver, seed, tool, threads, position_tolerance, orientation_tolerance
+        task, solver, seed, tool, threads, position_tolerance, orientation_tolerance, scene, \
+        clear, prefer
             As for `ik`, the same for all chunks.
         q0 : array_like, shape (n,), rad or m, optional
             Start values of every target's first attempt.
@@ -444,6 +476,7 @@ class InverseKinematics:
             As `ik`, when the chunk's result is asked for; `first_index` at once.
         """
         first_index = whole_number("first_index", first_index, 0, 2**64 - 1)
+        handle = _collider(self, scene)
 
         def solve(targets: ArrayLike, index: int) -> IkResult:
             return self.ik(
@@ -457,6 +490,15 @@ class InverseKinematics:
                 position_tolerance=position_tolerance,
                 orientation_tolerance=orientation_tolerance,
                 first_index=index,
+                scene=handle,
+                clear=clear,
+                prefer=prefer,
             )
 
         return solve_ahead(chunks, solve, first_index)
+
+
+def _collider(arm: InverseKinematics, scene: SceneOf | Collider | None) -> Collider | None:
+    """Return what a scene is to the compiled core: the arm's bodies in it."""
+    make = getattr(scene, "collider", None)
+    return cast("Collider | None", scene if make is None else make(arm))

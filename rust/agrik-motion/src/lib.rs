@@ -9,4 +9,4 @@ pub mod body;
 pub mod harvest;
 
 pub use agrik_compute::{Error, Result};
-pub use body::{Bodies, Body, Collider, Contact, Other, Placed, Shape, Touch};
+pub use body::{Bodies, Body, Collider, Contact, Free, Other, Placed, Shape, Touch};

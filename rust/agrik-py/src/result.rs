@@ -1,14 +1,16 @@
 //! The record of a call's answers; its arrays are made when they are asked for.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use agrik::call::{Answers, Status};
-use numpy::{Element, PyArrayDyn};
+use agrik_motion::{Collider, Contact};
+use numpy::{Element, PyArray, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyString};
 
-use crate::convert::{SMALL, array, copied};
+use crate::convert::{SMALL, array, copied, internal};
+use crate::ik::signals::Signals;
 
 /// Numbers that become an array, once: few of them as a copy, many by handing over their memory.
 pub(crate) struct Column<T> {
@@ -86,6 +88,8 @@ pub struct IkResult {
     orientation_error: Column<f64>,
     iterations: Column<u32>,
     restarts: Column<u32>,
+    /// What the answers were to keep clear of.
+    collider: Option<Arc<Collider>>,
 }
 
 impl IkResult {
@@ -110,7 +114,23 @@ impl IkResult {
             orientation_error: Column::new(answers.orientation_error),
             iterations: Column::new(answers.iterations),
             restarts: Column::new(answers.restarts),
+            collider: None,
         }
+    }
+
+    /// The same record, of answers that were to keep clear of something.
+    pub fn in_scene(self, collider: Option<Arc<Collider>>) -> Self {
+        Self { collider, ..self }
+    }
+
+    /// What is nearest to a collision in each row.
+    fn contacts(&self, py: Python<'_>, collider: &Collider) -> PyResult<Vec<Option<Contact>>> {
+        let q = self.q(py)?;
+        // Another thread may write to the array meanwhile.
+        let values = q.try_readonly().map_err(internal)?.as_slice().map_err(internal)?.to_vec();
+        let mut signals = Signals::new();
+        py.detach(|| collider.nearest_of_each(&values, 0, &mut || signals.go_on_detached()))
+            .map_err(|error| signals.exception(py, error))
     }
 }
 
@@ -160,9 +180,40 @@ impl IkResult {
         self.restarts.get(py, &self.shape)
     }
 
+    /// Distance of each answer from the nearest collision, m; None without a scene.
+    #[getter]
+    fn clearance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
+        let Some(collider) = &self.collider else { return Ok(None) };
+        let contacts = self.contacts(py, collider)?;
+        let least = |found: &Option<Contact>| found.map_or(f64::INFINITY, |found| found.distance);
+        array(py, &self.shape, contacts.iter().map(least).collect()).map(Some)
+    }
+
+    /// Names of a body and of the object or other body nearest to it, shape (..., 2).
+    #[getter]
+    fn nearest_pair<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let Some(collider) = &self.collider else { return Ok(None) };
+        let names: Vec<Py<PyAny>> = self
+            .contacts(py, collider)?
+            .iter()
+            .flat_map(|found| found.as_ref().map_or(["", ""], |found| collider.names(found)))
+            .map(|name| PyString::new(py, name).into_any().unbind())
+            .collect();
+        let shape = [&self.shape[..], &[2]].concat();
+        let flat = PyArray::from_vec(py, names);
+        flat.call_method1("reshape", (shape,)).map(Some)
+    }
+
     fn __repr__(&self) -> String {
-        let names =
-            ["converged", "out of reach", "not found", "bad input", "stalled", "non-finite"];
+        let names = [
+            "converged",
+            "out of reach",
+            "not found",
+            "bad input",
+            "stalled",
+            "non-finite",
+            "in collision",
+        ];
         let parts: Vec<String> = self
             .counts
             .iter()

@@ -80,6 +80,16 @@ impl<'a> Auto<'a> {
         }
     }
 
+    /// A target may have answers that the closed form has not found: of an arm with a free arm
+    /// angle also some that are accepted where those looked at are not.
+    fn is_open(&self, row: &AnswersMut<'_>) -> bool {
+        let redundant = match &self.form {
+            Form::Query(query) => query.is_redundant(),
+            Form::Sweep(_) => true,
+        };
+        row.any(Status::NotFound) || row.any(Status::InCollision) && redundant
+    }
+
     /// Solves what is left open; false where `keep_going` said no.
     fn go_on<'b>(
         &self,
@@ -127,9 +137,9 @@ impl Solve for Auto<'_> {
             if !self.ask(level, &mut rows, keep_going) {
                 return false;
             }
-            if rows.any(Status::NotFound) {
+            if rows.any(Status::NotFound) || rows.any(Status::InCollision) {
                 let single = rows.split(1).into_iter();
-                open.extend(single.filter(|row| row.any(Status::NotFound)));
+                open.extend(single.filter(|row| self.is_open(row)));
             }
             if open.len() >= TOGETHER && !self.go_on(level, &mut open, keep_going) {
                 return false;

@@ -6,7 +6,7 @@ use agrik_compute::threads::share;
 use agrik_solids::Point;
 
 use super::bodies::check_postures;
-use super::collider::{Collider, Other};
+use super::collider::{Collider, Contact, Other};
 use super::placed::Placed;
 use crate::{Error, Result};
 
@@ -163,6 +163,25 @@ impl Collider {
         let rows = out.chunks(dof + 1);
         let distances = rows.clone().map(|row| row[0]).collect();
         Ok((distances, rows.flat_map(|row| row[1..].iter().copied()).collect()))
+    }
+
+    /// What is nearest to a collision in each row of `q`, bodies of pairs too: nothing where
+    /// there is neither an object nor a pair.
+    ///
+    /// # Errors
+    ///
+    /// As [`Collider::collides`].
+    pub fn nearest_of_each(
+        &self,
+        q: &[f64],
+        threads: usize,
+        poll: Poll,
+    ) -> Result<Vec<Option<Contact>>> {
+        let mut out = vec![None; q.len() / self.dof()];
+        self.each(q, 1, &mut out, threads, poll, |placed, out| {
+            out[0] = self.nearest_of_all(placed, f64::INFINITY, true);
+        })?;
+        Ok(out)
     }
 
     fn dof(&self) -> usize {

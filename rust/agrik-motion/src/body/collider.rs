@@ -111,6 +111,16 @@ impl Collider {
         &self.scene
     }
 
+    /// Names of the two that a contact is between: the body first.
+    pub fn names(&self, contact: &Contact) -> [&str; 2] {
+        let body = |index: usize| self.bodies.bodies()[index].name.as_str();
+        let other = match contact.other {
+            Other::Object(index) => self.scene.objects()[index].name.as_str(),
+            Other::Body(index) => body(index),
+        };
+        [body(contact.body), other]
+    }
+
     /// Objects that a body does not mind where the tool is now.
     pub fn exemption(&self, placed: &Placed, body: usize) -> &Exemption {
         match &self.zone {
@@ -137,6 +147,11 @@ impl Collider {
     /// True where two bodies of a self pair touch.
     pub fn hits_itself(&self, placed: &Placed) -> bool {
         self.pairs.iter().any(|&pair| pair_within(placed, pair, 0.0))
+    }
+
+    /// True where two bodies are `reach` (m) or less apart.
+    pub fn pair_within(&self, placed: &Placed, pair: (usize, usize), reach: f64) -> bool {
+        pair_within(placed, pair, reach)
     }
 
     /// True where one body is `clear` (m) or less away from an object that it minds.

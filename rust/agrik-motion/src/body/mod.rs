@@ -6,13 +6,16 @@
 //! itself, with lanes over the things around it. Numbers that are none are refused before
 //! anything is asked.
 
+mod accept;
 mod batch;
 mod bodies;
 mod collider;
+mod levers;
 mod placed;
 mod self_pairs;
 mod shape;
 
+pub use accept::Free;
 pub use batch::{BodyDistance, Distances, OwnDistance};
 pub use bodies::Bodies;
 pub use collider::{Collider, Contact, Other, Touch};

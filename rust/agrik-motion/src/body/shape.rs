@@ -1,6 +1,6 @@
 //! What a body is.
 
-use agrik_solids::{Core, Cover, Cuboid, Pose, Solid, Split};
+use agrik_solids::{Core, Cover, Cuboid, Point, Pose, Solid, Split};
 
 /// One body of an arm: a solid that stands still in one of its frames.
 #[derive(Debug, Clone)]
@@ -65,6 +65,14 @@ impl Shape {
         match self {
             Self::Exact(solid) => Ok(solid.clone()),
             Self::Cover { cuboid, radius, .. } => Solid::new(Core::Cuboid(*cuboid), *radius),
+        }
+    }
+
+    /// Points whose hull the core is, m.
+    pub(super) fn extreme_points(&self) -> Vec<Point> {
+        match self {
+            Self::Exact(solid) => solid.core().extreme_points(),
+            Self::Cover { cuboid, .. } => cuboid.corners().to_vec(),
         }
     }
 

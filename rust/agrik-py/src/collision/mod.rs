@@ -3,5 +3,6 @@
 pub mod bodies;
 pub mod collider;
 pub mod distances;
+pub mod guard;
 mod rows;
 pub mod scene;

@@ -1,6 +1,8 @@
 //! Calls for batches of any size, a single target included.
 
-use agrik::call::solve as solve_call;
+use std::sync::Arc;
+
+use agrik::call::{Guard, solve as solve_call};
 use agrik::chain::Chain;
 use agrik::closed_form::{self, Choice, ClosedForm, Query};
 use agrik::lanes::Level;
@@ -13,6 +15,7 @@ use super::arguments::{Arguments, ArmAngles, Call};
 use super::branches::Branches;
 use super::locked::Locked;
 use super::signals::Signals;
+use crate::collision::guard;
 use crate::convert::{self, shape_text};
 use crate::errors;
 use crate::result::IkResult;
@@ -22,10 +25,20 @@ use crate::solvers::solver::chosen;
 const MANY: usize = 1024;
 
 /// Solves the targets of a call.
-pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResult<IkResult> {
+pub fn solve(
+    py: Python<'_>,
+    chain: &Chain,
+    given: &Arguments<'_, '_>,
+    scene: &guard::Given<'_, '_>,
+) -> PyResult<IkResult> {
     let call = Call::new(py, chain, given)?;
     let mut points = Vec::new();
-    let request = call.request(py, chain, &mut points)?;
+    let scene = guard::Scene::new(py, chain, scene)?;
+    let free = scene.as_ref().map(|scene| scene.free(py)).transpose()?;
+    let mut request = call.request(py, chain, &mut points)?;
+    if let (Some(scene), Some(accept)) = (&scene, &free) {
+        request = request.with_guard(Guard { accept, prefer: scene.prefer });
+    }
     let solver = chosen(given.solver, chain.name())?;
     let threads = call.options.threads;
     let ready = solver.call(request).map_err(|error| errors::from_core(py, error))?;
@@ -38,7 +51,8 @@ pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResu
     };
     match answers {
         Ok(answers) => {
-            Ok(IkResult::new(call.targets.leading_shape().to_vec(), chain.dof(), answers))
+            let made = IkResult::new(call.targets.leading_shape().to_vec(), chain.dof(), answers);
+            Ok(made.in_scene(scene.as_ref().map(|scene| Arc::clone(&scene.collider))))
         }
         Err(error) => Err(signals.exception(py, error)),
     }

@@ -10,6 +10,7 @@ use pyo3::types::{PyDict, PyFloat};
 
 use super::build::{self, DhTable, Frame};
 use super::kinematics;
+use crate::collision::guard;
 use crate::convert::{array, transform};
 use crate::errors;
 use crate::ik::arguments::{Arguments, Options};
@@ -190,7 +191,8 @@ impl Chain {
     /// Solve a batch of targets; see `agrik_fast.Robot.ik`.
     #[pyo3(signature = (
         targets, task=None, solver=None, q0=None, seed=None, tool=None, threads=None,
-        position_tolerance=None, orientation_tolerance=None, first_index=None
+        position_tolerance=None, orientation_tolerance=None, first_index=None, collider=None,
+        clear=None, prefer=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn ik(
@@ -206,6 +208,9 @@ impl Chain {
         position_tolerance: Option<&Bound<'_, PyAny>>,
         orientation_tolerance: Option<&Bound<'_, PyAny>>,
         first_index: Option<&Bound<'_, PyAny>>,
+        collider: Option<&Bound<'_, PyAny>>,
+        clear: Option<&Bound<'_, PyAny>>,
+        prefer: Option<&str>,
     ) -> PyResult<IkResult> {
         let given = Arguments {
             targets,
@@ -219,7 +224,7 @@ impl Chain {
             orientation_tolerance,
             first_index,
         };
-        batch::solve(py, &self.0, &given)
+        batch::solve(py, &self.0, &given, &guard::Given { collider, clear, prefer })
     }
 
     /// Make a solver for one target at a time; see `agrik_fast.Robot.solver`.

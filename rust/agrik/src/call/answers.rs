@@ -17,17 +17,21 @@ pub enum Status {
     Stalled = 4,
     /// Numbers grew beyond all bounds (feedback laws only).
     NonFinite = 5,
+    /// Reached within tolerance and limits, but by no posture found that the call's guard
+    /// accepts: all of them hit something. The least bad one is given.
+    InCollision = 6,
 }
 
 impl Status {
     /// Every status, in the order of its codes.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Converged,
         Self::OutOfReach,
         Self::NotFound,
         Self::BadInput,
         Self::Stalled,
         Self::NonFinite,
+        Self::InCollision,
     ];
 
     /// The name that users and files know it by.
@@ -39,6 +43,7 @@ impl Status {
             Self::BadInput => "bad_input",
             Self::Stalled => "stalled",
             Self::NonFinite => "non_finite",
+            Self::InCollision => "in_collision",
         }
     }
 }
@@ -143,6 +148,28 @@ impl<'a> AnswersMut<'a> {
     /// No row at all.
     pub fn is_empty(&self) -> bool {
         self.status.is_empty()
+    }
+
+    /// The joint values of row `i` of this run.
+    pub(crate) fn q(&self, i: usize) -> &[f64] {
+        let dof = self.q.len() / self.status.len();
+        &self.q[i * dof..(i + 1) * dof]
+    }
+
+    /// What became of row `i` of this run, which converged.
+    pub(crate) fn outcome(&self, i: usize) -> Outcome {
+        Outcome {
+            status: Status::Converged,
+            position_error: self.position_error[i],
+            orientation_error: self.orientation_error[i],
+            iterations: self.iterations[i],
+            restarts: self.restarts[i],
+        }
+    }
+
+    /// Row `i` of this run ended with a status.
+    pub(crate) fn ended(&self, i: usize, status: Status) -> bool {
+        self.status[i] == status as u8
     }
 
     /// Some row ended with a status.

@@ -2,12 +2,15 @@
 //! starts) in, one record of [`Answers`] out. A solver is whatever implements [`Solve`];
 //! [`solve`] spreads its targets over threads.
 
+mod accept;
 mod aim;
 mod answers;
 mod batch;
 mod request;
 mod targets;
 
+pub(crate) use accept::Verdict;
+pub use accept::{Accept, Guard, Prefer};
 pub use aim::{Aim, Tolerance};
 pub(crate) use answers::Outcome;
 pub use answers::{Answers, AnswersMut, Status};

@@ -38,17 +38,20 @@ pub fn all_into(
     let mut branches = Branches::new(query.request.len(), count);
     let rows = branches.as_mut_with(q);
     let few = rows.len() <= FEW;
-    let work = |mut rows: BranchesMut<'_>| {
-        if few {
-            dispatch(level, OneByOne { query, rows: &mut rows });
-        } else {
-            dispatch(level, InLanes { query, rows: &mut rows });
-        }
-    };
+    let work = |mut rows: BranchesMut<'_>| fill(level, query, &mut rows, few);
     if share(rows.split(RUN), threads, &work, poll) {
         Ok(branches)
     } else {
         Err(Error::Interrupted)
+    }
+}
+
+/// Works out all branches of some targets, a few of them one by one.
+pub(super) fn fill(level: Level, query: &Query<'_>, rows: &mut BranchesMut<'_>, few: bool) {
+    if few {
+        dispatch(level, OneByOne { query, rows });
+    } else {
+        dispatch(level, InLanes { query, rows });
     }
 }
 

@@ -1,5 +1,6 @@
 //! The best branch of every target, as a call of [`crate::call::solve`].
 
+use super::accepted_branch;
 use super::arm_angle::ArmAngle;
 use super::last_resort;
 use super::one_pose::{Alone, Left};
@@ -48,6 +49,9 @@ impl Solve for Query<'_> {
                     }
                     _ => dispatch(level, InLanes { query, rows, begin: done, end }),
                 }
+                if let Some(guard) = self.request.guard() {
+                    accepted_branch::guarded(self, guard, level, rows, done..end);
+                }
                 done = end;
                 if !keep_going() {
                     return false;
@@ -60,7 +64,7 @@ impl Solve for Query<'_> {
 
 impl<'a> Query<'a> {
     /// The arm, where its arm angle is free and the best one wanted.
-    fn free(&self) -> Option<&'a Srs> {
+    pub(super) fn free(&self) -> Option<&'a Srs> {
         match (self.form, self.angle) {
             (ClosedForm::Srs(arm), ArmAngle::Free) => Some(arm),
             _ => None,

@@ -1,5 +1,6 @@
 //! What can be asked of a closed form: all branches, or the best one, of many targets or one.
 
+mod accepted_branch;
 pub mod all_branches;
 pub mod arm_angle;
 mod best_branch;

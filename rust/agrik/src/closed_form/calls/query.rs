@@ -61,6 +61,11 @@ impl<'a> Query<'a> {
         Self { last_search: false, ..self }
     }
 
+    /// The arm reaches targets at arm angles that are free.
+    pub(crate) fn is_redundant(&self) -> bool {
+        matches!((self.form, self.angle), (ClosedForm::Srs(_), ArmAngle::Free))
+    }
+
     pub(crate) fn chain(&self) -> &'a Chain {
         self.request.chain()
     }

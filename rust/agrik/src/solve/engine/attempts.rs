@@ -6,7 +6,7 @@ use super::Engine;
 use super::feedback::Halt;
 use super::nearest::{End, Search};
 use super::runs::{Place, Runs};
-use crate::call::{AnswersMut, Outcome, Status};
+use crate::call::{AnswersMut, Guard, Outcome, Prefer, Status};
 use crate::chain::Variable;
 use crate::kinematics::{PerJoint, Workspace, forward};
 use crate::lanes::Real;
@@ -24,6 +24,10 @@ const HOPS: u32 = 8;
 pub(super) const MOST_STARTS: u32 = 32;
 const ENOUGH: u32 = 8;
 const SAME: f64 = 1e-5;
+/// Attempts after the first whose end may be the answer, where the best of several is wanted.
+const LOOKS: u32 = 7;
+/// Refused ends from which on no more are looked for.
+const MOST_REFUSED: usize = 64;
 /// What orientations count beside places while the nearest posture is looked for.
 const LITTLE: f64 = 1e-3;
 
@@ -44,6 +48,11 @@ pub(super) struct Job {
     /// The best end of an attempt so far.
     best: Option<Best>,
     best_q: PerJoint<f64>,
+    /// What the call's guard finds the best end that it accepts, and the attempt that was the
+    /// first to end with one.
+    accepted: Option<(f64, u32)>,
+    /// Ends that reached the goal and that the guard refused, one after the other.
+    refused: Vec<f64>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -68,6 +77,8 @@ impl Job {
             unreachable: false,
             best: None,
             best_q: smallvec![0.0; dof],
+            accepted: None,
+            refused: Vec::new(),
         }
     }
 }
@@ -98,10 +109,17 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         runs: &mut Runs<'_>,
     ) -> bool {
         let settings = &self.setup.settings;
-        let solved = status == Status::Converged;
+        let mut solved = status == Status::Converged;
+        let mut squared = squared_norm(&error.rows).lane(lane);
+        if solved && let Some(guard) = self.plan.request.guard() {
+            let errors = (error.position2.lane(lane), error.orientation2.lane(lane));
+            let q = self.q.iter().map(|x| x.lane(lane)).collect();
+            solved = self.judge(lane, guard, q, errors);
+            squared = f64::INFINITY;
+        }
         let job = &mut self.jobs[lane];
-        let squared = squared_norm(&error.rows).lane(lane);
-        if solved || job.best.is_none_or(|best| squared < best.squared) {
+        let judged = job.accepted.is_some() || !job.refused.is_empty();
+        if solved && !judged || job.best.is_none_or(|best| squared < best.squared) {
             let position_error = error.position2.lane(lane).sqrt();
             let orientation_error = error.orientation2.lane(lane).sqrt();
             // An attempt that ran into numbers without meaning is no answer.
@@ -120,8 +138,11 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             self.start(lane, row, attempt, &goal);
             return true;
         }
-        if !solved && self.completes {
+        if !solved && self.completes && !judged {
             self.complete(lane);
+        }
+        if self.jobs[lane].refused.len() > self.q.len() && self.jobs[lane].accepted.is_none() {
+            self.choose_refused(lane);
         }
         let job = &mut self.jobs[lane];
         let best = job.best.unwrap_or_else(|| {
@@ -155,6 +176,68 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             runs.finish(place, outcome, job.best_q.iter().copied());
         }
         false
+    }
+
+    /// Asks the call's guard about a lane's end that reached the goal, and keeps it where it is
+    /// the best so far; true where no other needs to be looked for.
+    #[inline(never)]
+    fn judge(
+        &mut self,
+        lane: usize,
+        guard: Guard<'_>,
+        q: PerJoint<f64>,
+        (position2, orientation2): (f64, f64),
+    ) -> bool {
+        let start = self.plan.start(self.jobs[lane].row);
+        let job = &mut self.jobs[lane];
+        let about = |i: usize| start.map_or(self.variables[i].middle(), |start| start[i]);
+        let score = guard.score(&q, 0.0, about);
+        let better = match (score, job.accepted) {
+            (Some(score), before) => before.is_none_or(|before| score > before.0),
+            // The first of those refused stands in for all of them.
+            (None, before) => before.is_none() && job.refused.is_empty(),
+        };
+        if score.is_none() {
+            job.refused.extend_from_slice(&q);
+        }
+        if better {
+            let accepted = score.is_some();
+            job.best = Some(Best {
+                // Nothing that does not reach the goal is better.
+                squared: f64::NEG_INFINITY,
+                status: if accepted { Status::Converged } else { Status::InCollision },
+                position_error: position2.sqrt(),
+                orientation_error: orientation2.sqrt(),
+            });
+            job.best_q = q;
+        }
+        if let Some(score) = score {
+            let (best, first) = job.accepted.unwrap_or((score, job.attempt));
+            job.accepted = Some((best.max(score), first));
+        }
+        let looks = if guard.prefer == Prefer::First { 0 } else { LOOKS };
+        match job.accepted {
+            Some((_, first)) => job.attempt >= first + looks,
+            None => job.refused.len() >= MOST_REFUSED * self.q.len(),
+        }
+    }
+
+    /// Makes the least bad of the ends that the guard refused a lane's answer.
+    #[inline(never)]
+    fn choose_refused(&mut self, lane: usize) {
+        let request = &self.plan.request;
+        let job = &mut self.jobs[lane];
+        let (Some(guard), Some(goal)) = (request.guard(), request.goal(job.row)) else { return };
+        let dof = job.best_q.len();
+        let chosen = guard.best_margin(job.refused.chunks_exact(dof));
+        job.best_q.copy_from_slice(&job.refused[chosen * dof..(chosen + 1) * dof]);
+        let mut at = Workspace::new(request.chain().compiled());
+        forward(request.chain().compiled(), &job.best_q, &mut at);
+        let (position2, orientation2) = request.errors(&at, &goal);
+        if let Some(best) = &mut job.best {
+            best.position_error = position2.sqrt();
+            best.orientation_error = orientation2.sqrt();
+        }
     }
 
     /// Looks for a row's nearest posture where attempts did not solve it: from the best end, and
@@ -200,7 +283,20 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
                 break;
             }
         }
-        if let Some((end, q)) = best {
+        if let Some((end, mut q)) = best {
+            for ((x, v), reference) in q.iter_mut().zip(&self.limits).zip(&self.reference) {
+                if v.turns || v.winds {
+                    *x = v.wound(*x, reference.lane(lane));
+                }
+            }
+            if end.solved
+                && let Some(guard) = self.plan.request.guard()
+            {
+                let errors = (end.position_error.powi(2), end.orientation_error.powi(2));
+                self.judge(lane, guard, q, errors);
+                return;
+            }
+            let job = &mut self.jobs[lane];
             let status = if end.solved { Status::Converged } else { Status::NotFound };
             job.best = Some(Best {
                 squared: 2.0 * end.cost,
@@ -208,11 +304,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
                 position_error: end.position_error,
                 orientation_error: end.orientation_error,
             });
-            for (((to, x), v), reference) in
-                job.best_q.iter_mut().zip(q).zip(&self.limits).zip(&self.reference)
-            {
-                *to = if v.turns || v.winds { v.wound(x, reference.lane(lane)) } else { x };
-            }
+            job.best_q = q;
         }
     }
 
@@ -241,6 +333,8 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             job.steps_before = 0;
             job.unreachable = self.plan.proven_unreachable(&goal);
             job.best = None;
+            job.accepted = None;
+            job.refused.clear();
             self.start(lane, row, 0, &goal);
             return true;
         }

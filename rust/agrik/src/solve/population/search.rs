@@ -5,7 +5,7 @@ use super::fitness::{EulerGoal, TaskFitness};
 use super::progress::{End, Progress};
 use super::settings::Settings;
 use crate::allowed::LARGEST;
-use crate::call::{Answers, AnswersMut, Outcome, Request, Solve, Status};
+use crate::call::{Answers, AnswersMut, Outcome, Prefer, Request, Solve, Status, Verdict};
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, forward};
 use crate::lanes::{Kernel, Level, Real, dispatch};
@@ -159,8 +159,17 @@ struct Found {
     /// What postures are compared by: reached ones first, then by this, m^2.
     squared: f64,
     reached: bool,
+    /// What the call's guard, if there is one, finds it.
+    verdict: Option<Verdict>,
     position_error: f64,
     orientation_error: f64,
+}
+
+impl Found {
+    /// It reaches the target, and nothing speaks against it.
+    fn is_answer(&self) -> bool {
+        self.reached && self.verdict.is_none_or(|verdict| verdict.accepted)
+    }
 }
 
 /// Buffers of one thread.
@@ -193,6 +202,7 @@ impl<'e, R: Real> Search<'e, R> {
                 q: vec![0.0; dof],
                 squared: f64::INFINITY,
                 reached: false,
+                verdict: None,
                 position_error: f64::INFINITY,
                 orientation_error: f64::INFINITY,
             },
@@ -218,7 +228,7 @@ impl<'e, R: Real> Search<'e, R> {
             self.take_start(start);
             self.polish(row, &goal, 1);
         }
-        while !self.found.reached {
+        while !self.found.is_answer() {
             let mut progress = settings.progress();
             progress.trace = self.trace.take();
             let end = self.evolve(row, outcome.restarts, &goal, &mut progress, keep_going);
@@ -235,16 +245,17 @@ impl<'e, R: Real> Search<'e, R> {
             let best = self.order[0];
             self.population.read(best, &mut self.q);
             self.consider(&goal, start);
-            if settings.polish && !self.found.reached {
+            if settings.polish && !self.found.is_answer() {
                 self.polish(row, &goal, POLISHED);
             }
-            if self.found.reached || unreachable || outcome.restarts == settings.max_restarts {
+            if self.found.is_answer() || unreachable || outcome.restarts == settings.max_restarts {
                 break;
             }
             outcome.restarts += 1;
         }
         if self.found.reached {
-            outcome.status = Status::Converged;
+            let accepted = self.found.is_answer();
+            outcome.status = if accepted { Status::Converged } else { Status::InCollision };
         }
         outcome.position_error = self.found.position_error;
         outcome.orientation_error = self.found.orientation_error;
@@ -259,6 +270,7 @@ impl<'e, R: Real> Search<'e, R> {
         }
         self.found.squared = f64::INFINITY;
         self.found.reached = false;
+        self.found.verdict = None;
         self.found.position_error = f64::INFINITY;
         self.found.orientation_error = f64::INFINITY;
     }
@@ -333,7 +345,8 @@ impl<'e, R: Real> Search<'e, R> {
             self.q.copy_from_slice(q);
             self.consider(goal, start);
             // Without start values to stay near, the first that reaches is as good as any.
-            if self.found.reached && start.is_none() {
+            let any = plan.request.guard().is_none_or(|guard| guard.prefer == Prefer::First);
+            if self.found.is_answer() && start.is_none() && any {
                 break;
             }
         }
@@ -359,15 +372,23 @@ impl<'e, R: Real> Search<'e, R> {
             }
             _ => position2 + setup.rotation_scale * setup.rotation_scale * orientation2,
         };
+        let guard = plan.request.guard().filter(|_| reached);
+        let verdict = guard.map(|guard| {
+            let variables = plan.request.chain().variables();
+            let about = |i: usize| start.map_or(variables[i].middle(), |start| start[i]);
+            guard.verdict(&self.q, squared, about)
+        });
         let better = match (reached, self.found.reached) {
             (true, false) => true,
             (false, true) => false,
+            (true, true) if verdict.is_some() => verdict > self.found.verdict,
             _ => squared < self.found.squared,
         };
         if better && squared.is_finite() {
             self.found.q.copy_from_slice(&self.q);
             self.found.squared = squared;
             self.found.reached = reached;
+            self.found.verdict = verdict;
             self.found.position_error = position2.sqrt();
             self.found.orientation_error = orientation2.sqrt();
         }
