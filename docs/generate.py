@@ -7,6 +7,7 @@ from pathlib import Path
 import architecture_picture
 import matplotlib as mpl
 import numpy as np
+import solids_picture
 
 import agrik_fast as ik
 from agrik_fast.papers import hydrolek, redundant7, strawberry, tomato
@@ -222,6 +223,9 @@ def main(folder: Path) -> None:
     hydrolek.reproduce(folder / "papers" / "hydrolek")
     redundant7.reproduce(folder / "papers" / "redundant7", repeats=200)
     architecture_picture.main(folder / "architecture")
+    solids_picture.draw_bodies(folder / "bodies.png", save)
+    solids_picture.draw_greenhouse(folder / "scene.png", save)
+    solids_picture.draw_clearance(folder / "clearance.svg", save)
     methods = folder / "methods"
     methods.mkdir(exist_ok=True)
     draw_laws(methods)

@@ -7,9 +7,17 @@ with it the command line's help) costs next to nothing.
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from . import errors, euler, rotations, solvers, tasks
+    from . import collision, errors, euler, rotations, solvers, tasks
     from ._native import __version__, get_num_threads, set_num_threads, simd_level
-    from .errors import AgrikError, ArgumentError, RobotFileError, UnknownNameError, UrdfError
+    from .collision import Scene
+    from .errors import (
+        AgrikError,
+        ArgumentError,
+        RobotFileError,
+        SceneFileError,
+        UnknownNameError,
+        UrdfError,
+    )
     from .result import Branches, IkResult, Singularity, Status
     from .robot import Path, Robot
 else:
@@ -24,11 +32,14 @@ __all__ = [
     "Path",
     "Robot",
     "RobotFileError",
+    "Scene",
+    "SceneFileError",
     "Singularity",
     "Status",
     "UnknownNameError",
     "UrdfError",
     "__version__",
+    "collision",
     "errors",
     "euler",
     "get_num_threads",

@@ -13,6 +13,8 @@ MODULE_OF = {
     "Path": "robot",
     "Robot": "robot",
     "RobotFileError": "errors",
+    "Scene": "collision",
+    "SceneFileError": "errors",
     "Singularity": "result",
     "Status": "result",
     "UnknownNameError": "errors",
@@ -24,7 +26,7 @@ MODULE_OF = {
 }
 """Module that defines each public name."""
 
-MODULES = ("errors", "euler", "rotations", "solvers", "tasks")
+MODULES = ("collision", "errors", "euler", "rotations", "solvers", "tasks")
 """Modules that are public names themselves."""
 
 _PACKAGE = "agrik_fast"

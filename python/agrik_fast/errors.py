@@ -20,6 +20,7 @@ __all__ = [
     "GainFileError",
     "InternalError",
     "RobotFileError",
+    "SceneFileError",
     "UnknownNameError",
     "UrdfError",
 ]
@@ -187,7 +188,7 @@ _TOLD = 100
 
 
 class Fault(NamedTuple):
-    """One fault of a robot file.
+    """One fault of a robot file or a scene file.
 
     Attributes
     ----------
@@ -204,7 +205,25 @@ class Fault(NamedTuple):
         return f"{self.place}: {self.message}" if self.place else self.message
 
 
-class RobotFileError(AgrikError, ValueError):
+class _FaultyFileError(AgrikError, ValueError):
+    """A file cannot be used; carries every fault found in it."""
+
+    file: str
+    faults: tuple[Fault, ...]
+
+    def __init__(self, file: str, faults: Iterable[tuple[str, str]]) -> None:
+        self.file = file
+        self.faults = tuple(Fault(place, message) for place, message in faults)
+        count = len(self.faults)
+        head = f"{file}: {count} fault{'' if count == 1 else 's'}"
+        more = [f"  and {count - _TOLD} more"] if count > _TOLD else []
+        super().__init__("\n".join([head, *(f"  {fault}" for fault in self.faults[:_TOLD]), *more]))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.file, self.faults)
+
+
+class RobotFileError(_FaultyFileError):
     """A robot file cannot be used; carries every fault found in it.
 
     Parameters
@@ -222,19 +241,24 @@ class RobotFileError(AgrikError, ValueError):
         The faults.
     """
 
-    file: str
-    faults: tuple[Fault, ...]
 
-    def __init__(self, file: str, faults: Iterable[tuple[str, str]]) -> None:
-        self.file = file
-        self.faults = tuple(Fault(place, message) for place, message in faults)
-        count = len(self.faults)
-        head = f"{file}: {count} fault{'' if count == 1 else 's'}"
-        more = [f"  and {count - _TOLD} more"] if count > _TOLD else []
-        super().__init__("\n".join([head, *(f"  {fault}" for fault in self.faults[:_TOLD]), *more]))
+class SceneFileError(_FaultyFileError):
+    """A scene file or a cloud of points cannot be used; carries every fault found in it.
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.file, self.faults)
+    Parameters
+    ----------
+    file : str
+        Name of the file.
+    faults : iterable of (place, message)
+        The faults, in the order of the file.
+
+    Attributes
+    ----------
+    file : str
+        Name of the file.
+    faults : tuple of Fault
+        The faults.
+    """
 
 
 class UrdfError(AgrikError, ValueError):

@@ -94,6 +94,20 @@ def solve(
     threads: Annotated[
         int | None, typer.Option(min=1, help="Threads; by default all cores.")
     ] = None,
+    scene: Annotated[
+        Path | None,
+        typer.Option(help="Scene that answers must not hit: a .json or .toml scene file."),
+    ] = None,
+    clear: Annotated[
+        float, typer.Option(help="Scene: distance in metres that answers keep from it.")
+    ] = 0.0,
+    prefer: Annotated[
+        str, typer.Option(help="Scene: which of several free postures: first, near or clearance.")
+    ] = "first",
+    aim: Annotated[
+        str | None,
+        typer.Option(help="Scene: name of the target in it that the gripper may touch."),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing result.")] = False,
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 3 unless every row is solved.")
@@ -108,7 +122,7 @@ def solve(
     """
     with exit_codes() as kept:
         from ..jobs import SolveRequest
-        from ._solve import parse_axis, solve_words
+        from ._solve import load_scene, parse_axis, parse_preference, solve_words
         from .progress import for_stream
         from .summary import print_summaries
 
@@ -125,6 +139,10 @@ def solve(
             seed=seed,
             threads=threads,
             force=force,
+            scene=load_scene(scene, aim),
+            scene_name="" if scene is None else scene.name,
+            clear=clear,
+            prefer=parse_preference(prefer),
         )
         summary = solve_words(request, for_stream(sys.stderr))
         kept.what = lambda: f"results: {output}"
@@ -141,12 +159,25 @@ def info(
         str | None,
         typer.Argument(help="A bundled robot's name, or a .toml or .urdf file; all names if none."),
     ] = None,
+    body: Annotated[
+        bool, typer.Option("--body", help="Print its bodies for collisions instead.")
+    ] = False,
+    self_pairs: Annotated[
+        bool,
+        typer.Option(
+            "--self-pairs",
+            help="Print which bodies may hit each other, and why others are left out.",
+        ),
+    ] = False,
 ) -> None:
     """Print a robot's joints, limits, reach, DH rows and source."""
     with exit_codes():
-        from ._info import describe, list_robots
+        from ._info import about_collisions, describe, list_robots
 
-        text = list_robots() if robot is None else describe(robot)
+        if body or self_pairs:
+            text = about_collisions(robot, body=body, self_pairs=self_pairs)
+        else:
+            text = list_robots() if robot is None else describe(robot)
         with telling():
             typer.echo(text)
 

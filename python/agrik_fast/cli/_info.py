@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 
 import numpy as np
 
+from ..collision import BodyShape, Box, Capsule, Convex, Cover, Sphere
+from ..errors import ArgumentError
 from ..robot import Robot
+from ._exits import say
 
 
 def list_robots() -> str:
@@ -41,6 +45,85 @@ def describe(name_or_path: str) -> str:
     if robot.provenance:
         blocks.append(_provenance(robot))
     return "\n\n".join(blocks)
+
+
+def about_collisions(name_or_path: str | None, *, body: bool, self_pairs: bool) -> str:
+    """Return a robot's bodies, or its self pairs, as text; warnings about them first.
+
+    Raises
+    ------
+    AgrikError
+        For an unknown name, a faulty file, a mesh that is missing; without a robot.
+    """
+    if name_or_path is None:
+        raise ArgumentError("ROBOT", "none", "a robot, whose bodies are to be told")
+    robot = Robot.load(name_or_path)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        known = robot.bodies
+    for warning in told:
+        say(f"agrik-fast: {warning.message}")
+    if not known:
+        return f"{robot.name} has no bodies"
+    blocks = [_bodies(robot)] if body else []
+    return "\n\n".join(blocks + ([_self_pairs(robot)] if self_pairs else []))
+
+
+_SHAPE_NAMES = {
+    Sphere: "sphere",
+    Capsule: "capsule",
+    Box: "box",
+    Convex: "convex",
+    Cover: "cover",
+}
+
+
+def _bodies(robot: Robot) -> str:
+    links = ["base", *robot.link_names]
+    rows = [["name", "frame", "shape", "size mm", "over mm", "from"]]
+    for body in robot.bodies:
+        over = "-" if body.overestimate is None else f"{1e3 * body.overestimate:.1f}"
+        frame = links[robot.frame_number(body.frame)]
+        shape = _SHAPE_NAMES[type(body.shape)]
+        rows.append([body.name, frame, shape, _size(body.shape), over, body.provenance])
+    # The last column is text of any length.
+    told = [row[:-1] for row in rows]
+    table = _table(f"Bodies of {robot.name} ({len(rows) - 1})", told).splitlines()
+    heading = "over: how far a body reaches out of what it stands for, - where nobody said"
+    return "\n".join(
+        [table[0], f"  {heading}"]
+        + [f"{line}  {row[-1]}".rstrip() for line, row in zip(table[1:], rows, strict=True)]
+    )
+
+
+def _size(shape: BodyShape) -> str:
+    def mm(value: float) -> str:
+        return f"{1e3 * value:.4g}"
+
+    match shape:
+        case Sphere():
+            return f"r {mm(shape.radius)}"
+        case Capsule():
+            return f"length {mm(math.dist(shape.a, shape.b))}, r {mm(shape.radius)}"
+        case Convex():
+            return f"{len(shape.vertices)} corners, r {mm(shape.radius)}"
+        case Cover():
+            sides = " x ".join(mm(2 * half) for half in shape.half)
+            return f"{sides}, {8**shape.level} spheres"
+        case Box():
+            rounding = f", r {mm(shape.radius)}" if shape.radius else ""
+            return " x ".join(mm(2 * half) for half in shape.half) + rounding
+
+
+def _self_pairs(robot: Robot) -> str:
+    pairs = robot.self_pairs
+    lines = [f"Pairs of bodies that are asked whether they hit each other ({len(pairs.asked)})"]
+    lines += [f"  {a} - {b}" for a, b in pairs.asked]
+    lines += ["", f"Pairs that are not ({len(pairs.excluded)})"]
+    for pair in pairs.excluded:
+        share = "" if pair.share is None else f", hitting in {pair.share:.1%} of 4,000 postures"
+        lines.append(f"  {pair.bodies[0]} - {pair.bodies[1]}: {pair.reason}{share}")
+    return "\n".join(lines)
 
 
 def _table(title: str, rows: Sequence[Sequence[str]]) -> str:

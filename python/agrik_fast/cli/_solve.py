@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
+from typing import cast
 
+from .._checks import word
+from ..collision import Scene
 from ..errors import ArgumentError, UnknownNameError
 from ..jobs import Progress, SolveRequest, Summary, solve_file
+from ..robot import Prefer
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -15,7 +20,10 @@ _OPTIONS = {
     "position_tolerance": "--tol",
     "orientation_tolerance": "--tol-rad",
     "direction": "--direction",
+    "clear": "--clear",
+    "scene": "--scene",
 }
+_PREFERENCES = ("first", "near", "clearance")
 
 
 def parse_axis(option: str, text: str) -> tuple[float, float, float]:
@@ -38,6 +46,38 @@ def parse_axis(option: str, text: str) -> tuple[float, float, float]:
     if not all(map(math.isfinite, (x, y, z))) or not any((x, y, z)):
         raise ArgumentError(option, repr(text), "a finite vector that is not zero")
     return (x, y, z)
+
+
+def load_scene(path: Path | None, aim: str | None) -> Scene | None:
+    """Return the scene of a file, aiming at one of its targets.
+
+    Raises
+    ------
+    AgrikError
+        For a faulty file, a target that it does not have, and one without a file.
+    """
+    if path is None:
+        if aim is not None:
+            raise ArgumentError("--aim", repr(aim), "--scene as well")
+        return None
+    try:
+        return Scene.load(path).aiming_at(aim)
+    except UnknownNameError:
+        raise
+    except ArgumentError as error:
+        option = "--scene" if error.argument == "path" else error.argument
+        raise ArgumentError(option, error.received, error.expected) from None
+
+
+def parse_preference(text: str) -> Prefer:
+    """Return the name of a preference.
+
+    Raises
+    ------
+    UnknownNameError
+        For any other name.
+    """
+    return cast("Prefer", word("--prefer", text, _PREFERENCES))
 
 
 def solve_words(request: SolveRequest, progress: Progress) -> Summary:

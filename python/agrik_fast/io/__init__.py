@@ -2,7 +2,7 @@
 
 from ._errors import DataFileError, ResultFileError, TargetFileError
 from ._reader import TargetReader
-from ._records import ResultChunk, ResultLayout, TargetChunk
+from ._records import ResultChunk, ResultLayout, SceneColumns, TargetChunk
 from ._results import check_result_path, open_results, read_results
 from ._targets import read_targets
 from ._writer import ResultWriter
@@ -13,6 +13,7 @@ __all__ = [
     "ResultFileError",
     "ResultLayout",
     "ResultWriter",
+    "SceneColumns",
     "TargetChunk",
     "TargetFileError",
     "TargetReader",

@@ -6,7 +6,7 @@ import csv
 import io
 from pathlib import Path
 
-from ._records import FIXED_COLUMNS, STATUS_NAMES, ResultChunk, ResultLayout
+from ._records import STATUS_NAMES, ResultChunk, ResultLayout, scene_columns
 from ._writer import ResultWriter
 
 
@@ -19,9 +19,10 @@ class CsvWriter(ResultWriter):
             self._file.stream, encoding="utf-8", newline="", write_through=False
         )
         self._lines = csv.writer(self._text, lineterminator="\n")
-        self._lines.writerow(["id", *layout.joint_columns, *FIXED_COLUMNS])
+        self._lines.writerow(layout.columns)
 
     def _write(self, chunk: ResultChunk) -> None:
+        scene = scene_columns(self.layout, chunk)
         self._lines.writerows(
             (row_id, *q, STATUS_NAMES[status], "true" if success else "false", *rest)
             for row_id, q, status, success, *rest in zip(
@@ -33,6 +34,7 @@ class CsvWriter(ResultWriter):
                 chunk.orientation_error.tolist(),
                 chunk.iterations.tolist(),
                 chunk.restarts.tolist(),
+                *(() if scene is None else (column.tolist() for column in scene)),
                 strict=True,
             )
         )

@@ -9,7 +9,14 @@ from typing import Any
 import numpy as np
 
 from ._errors import ResultFileError
-from ._records import METADATA_PREFIX, STATUS_NAMES, ResultChunk, ResultLayout
+from ._records import (
+    METADATA_PREFIX,
+    SCENE_COLUMNS,
+    STATUS_NAMES,
+    ResultChunk,
+    ResultLayout,
+    scene_columns,
+)
 from ._writer import ResultWriter
 
 
@@ -27,6 +34,8 @@ class ParquetWriter(ResultWriter):
         super().__init__(path, layout, force=force)
         self._pyarrow: Any = pyarrow
         metadata = {METADATA_PREFIX + key: value for key, value in layout.metadata.items()}
+        text = pyarrow.string()
+        scene = zip(SCENE_COLUMNS, (pyarrow.float64(), text, text), strict=True)
         self._schema: Any = pyarrow.schema(
             [
                 ("id", pyarrow.string() if layout.text_ids else pyarrow.int64()),
@@ -37,14 +46,15 @@ class ParquetWriter(ResultWriter):
                 ("orientation_error_rad", pyarrow.float64()),
                 ("iterations", pyarrow.int32()),
                 ("restarts", pyarrow.int32()),
+                *(((name, kind) for name, kind in scene) if layout.name_letters else ()),
             ],
             metadata=metadata,
         )
         self._writer: Any = parquet.ParquetWriter(
-            # A dictionary pays for the few status names, not for numbers that never repeat.
+            # A dictionary pays for the few names, not for numbers that never repeat.
             self._file.stream,
             self._schema,
-            use_dictionary=["status"],
+            use_dictionary=["status", *(SCENE_COLUMNS[1:] if layout.name_letters else ())],
         )
 
     def _write(self, chunk: ResultChunk) -> None:
@@ -61,6 +71,7 @@ class ParquetWriter(ResultWriter):
             array(chunk.orientation_error),
             array(chunk.iterations.astype(np.int32)),
             array(chunk.restarts.astype(np.int32)),
+            *(array(column.tolist()) for column in scene_columns(self.layout, chunk) or ()),
         ]
         self._writer.write_table(self._pyarrow.Table.from_arrays(columns, schema=self._schema))
 

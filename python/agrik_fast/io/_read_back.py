@@ -20,9 +20,11 @@ from ._parquet import WHAT, check_sizes, open_file
 from ._records import (
     FIXED_COLUMNS,
     METADATA_PREFIX,
+    SCENE_COLUMNS,
     STATUS_NAMES,
     ResultChunk,
     ResultLayout,
+    SceneColumns,
 )
 
 Columns = dict[str, NDArray[Any]]
@@ -53,7 +55,13 @@ def _joints(names: Sequence[str], refuse: Refusal) -> tuple[str, ...]:
         raise refuse(f"{_NO_RESULT}: missing '{missing[0]}'; found {listing(names) or 'nothing'}")
     if len(set(names)) < len(names):
         raise refuse(f"{_NO_RESULT}: a column appears twice")
-    return tuple(name for name in names if name != "id" and name not in FIXED_COLUMNS)
+    others = ("id", *FIXED_COLUMNS, *_scene_names(names))
+    return tuple(name for name in names if name not in others)
+
+
+def _scene_names(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the columns on a scene, if a header has all of them."""
+    return SCENE_COLUMNS if set(SCENE_COLUMNS) <= set(names) else ()
 
 
 def _assemble(
@@ -65,9 +73,10 @@ def _assemble(
         column = columns[name]
         if column.shape != (count,):
             raise refuse(f"'{name}' of shape {column.shape}, expected ({count},)")
-        wanted = "b" if name == "success" else "fiu"
+        texts = _scene_names(names)[1:]
+        wanted = "b" if name == "success" else "U" if name in texts else "fiu"
         if name != "id" and column.dtype.kind not in wanted:
-            expected = "true or false" if name == "success" else "numbers"
+            expected = {"b": "true or false", "U": "text"}.get(wanted, "numbers")
             raise refuse(f"'{name}' holds {shown(column.dtype)}, expected {expected}")
     check_width(columns["id"].dtype, "'id'", refuse)
     for name, most in (("status", len(STATUS_NAMES) - 1), ("success", 1)):
@@ -77,6 +86,13 @@ def _assemble(
             continue
         row = int(np.argmax(wrong))
         raise refuse(f"row {row + 1}, '{name}': expected a code from 0 to {most}, got {codes[row]}")
+    scene, letters = None, 0
+    if _scene_names(names):
+        for name in SCENE_COLUMNS[1:]:
+            check_width(columns[name].dtype, f"'{name}'", refuse)
+        clearance, body, thing = (columns[name] for name in SCENE_COLUMNS)
+        scene = SceneColumns(clearance.astype(np.float64), body, thing)
+        letters = max(1, *(column.dtype.itemsize // 4 for column in (body, thing)))
     q = [columns[name].astype(np.float64) for name in joints]
     chunk = ResultChunk(
         ids=checked(columns["id"], 0, refuse),
@@ -87,8 +103,9 @@ def _assemble(
         orientation_error=columns["orientation_error_rad"],
         iterations=columns["iterations"],
         restarts=columns["restarts"],
+        scene=scene,
     )
-    return ResultLayout(joints, columns["id"].dtype.kind == "U", metadata), chunk
+    return ResultLayout(joints, columns["id"].dtype.kind == "U", metadata, letters), chunk
 
 
 Read = tuple[Sequence[str], Columns, dict[str, str]]
@@ -141,7 +158,7 @@ def _csv_columns(
 
 
 def _column(name: str, texts: Sequence[str]) -> NDArray[Any]:
-    if name == "id":
+    if name == "id" or name in SCENE_COLUMNS[1:]:
         return np.array(texts, dtype=np.str_)
     if name == "status":
         return np.array([STATUS_NAMES.index(word) for word in texts], dtype=np.int8)
@@ -159,7 +176,8 @@ def _npy(path: Path, refuse: Refusal) -> Read:
 
 def _npz(path: Path, refuse: Refusal) -> Read:
     with Archive(path, refuse) as archive:
-        columns = {name: archive.array(name) for name in ("id", *FIXED_COLUMNS)}
+        scene = _scene_names(archive.names)
+        columns = {name: archive.array(name) for name in ("id", *FIXED_COLUMNS, *scene)}
         joints = archive.array("joint_columns")
         q = archive.array("q")
         text = archive.array("metadata")
@@ -172,7 +190,7 @@ def _npz(path: Path, refuse: Refusal) -> Read:
     with reading(refuse, "'joint_columns' is damaged"):
         names = [str(name) for name in joints.tolist()]
     columns.update({name: q[:, k] for k, name in enumerate(names)})
-    return ["id", *names, *FIXED_COLUMNS], columns, metadata
+    return ["id", *names, *FIXED_COLUMNS, *scene], columns, metadata
 
 
 def _parquet(path: Path, refuse: Refusal) -> Read:
@@ -184,7 +202,7 @@ def _parquet(path: Path, refuse: Refusal) -> Read:
         columns: Columns = {}
         for name in names:
             column = table.column(name)
-            if name == "status":
+            if name == "status" or name in _scene_names(names)[1:]:
                 columns[name] = _column(name, column.to_pylist())
             elif name == "id":
                 columns[name] = _parquet_ids(column, refuse)

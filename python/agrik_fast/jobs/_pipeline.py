@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._background import ahead
-from ..io import ResultChunk, TargetChunk
+from ..io import ResultChunk, SceneColumns, TargetChunk
 from ..result import IkResult
 
 # A piece is what one call of the solver gets: long enough to keep every core busy, short
@@ -90,4 +90,14 @@ def _as_chunk(result: IkResult, ids: NDArray[Any]) -> ResultChunk:
         orientation_error=result.orientation_error,
         iterations=result.iterations,
         restarts=result.restarts,
+        scene=_scene_columns(result),
     )
+
+
+def _scene_columns(result: IkResult) -> SceneColumns | None:
+    """Return what answers are nearest to; None without a scene."""
+    clearance, pairs = result.clearance, result.nearest_pair
+    if clearance is None or pairs is None:
+        return None
+    body, thing = pairs.astype(np.str_).T
+    return SceneColumns(clearance, body, thing)

@@ -22,7 +22,7 @@ from ..io import (
     read_targets,
 )
 from ..result import IkResult
-from ..robot import Robot
+from ..robot import Prefer, Robot, SceneOf
 from ..tasks import Axis
 from ._pipeline import Pipeline, Solve
 from ._progress import Progress, Silent
@@ -64,6 +64,14 @@ class SolveRequest:
         Number of threads, as for `Robot.ik`.
     force : bool
         Replace an existing result.
+    scene : Scene, optional
+        What answers must not hit, as for `Robot.ik`.
+    scene_name : str
+        What the results call the scene.
+    clear : float, m
+        Distance that answers keep from it.
+    prefer : {"first", "near", "clearance"}
+        Which of several free postures.
     """
 
     robot: str
@@ -78,6 +86,10 @@ class SolveRequest:
     seed: int = 0
     threads: int | None = None
     force: bool = False
+    scene: SceneOf | None = None
+    scene_name: str = ""
+    clear: float = 0.0
+    prefer: Prefer = "first"
 
 
 def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str | Axis]:
@@ -133,16 +145,22 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     ):
         if not (np.isfinite(value) and value > 0.0):
             raise ArgumentError(name, repr(value), "a positive number")
+    if not (np.isfinite(request.clear) and request.clear >= 0.0):
+        raise ArgumentError("clear", repr(request.clear), "a number >= 0")
+    if request.scene is None and (request.clear != 0.0 or request.prefer != "first"):
+        raise ArgumentError("scene", "none", "one, since `clear` or `prefer` asks for it")
     robot = Robot.load(request.robot)
     reader = read_targets(request.targets)
     if request.output.exists() and request.output.samefile(request.targets):
         raise ResultFileError(request.output, "is the target file, expected another name")
     task_name, task = choose_task(request, reader)
+    letters = _name_letters(robot, request)
     summary = Summary(robot.name, task_name, with_orientation=task_name != "position")
     layout = ResultLayout(
         ResultLayout.joint_names(robot.joint_names, robot.joint_types),
         reader.has_text_ids,
         _metadata(request, robot, task_name),
+        letters,
     )
     work = Pipeline(reader.chunks(), _solver(robot, task, request))
     with open_results(request.output, layout, force=request.force) as writer, progress:
@@ -155,14 +173,14 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
                 summary.add(piece)
                 progress.advance(len(piece))
                 if waiting and _id_bytes([*waiting, piece]) > WRITE_ID_BYTES:
-                    writer.write(_joined(waiting))
+                    writer.write(ResultChunk.joined(waiting))
                     waiting.clear()
                 waiting.append(piece)
                 if sum(map(len, waiting)) >= WRITE_ROWS:
-                    writer.write(_joined(waiting))
+                    writer.write(ResultChunk.joined(waiting))
                     waiting.clear()
         if waiting:
-            writer.write(_joined(waiting))
+            writer.write(ResultChunk.joined(waiting))
     summary.solve_s = work.solve_s
     summary.total_s = time.perf_counter() - started
     return summary
@@ -179,9 +197,20 @@ def _solver(robot: Robot, task: str | Axis, request: SolveRequest) -> Solve:
             position_tolerance=request.position_tolerance,
             orientation_tolerance=request.orientation_tolerance,
             first_index=first_index,
+            scene=request.scene,
+            clear=request.clear,
+            prefer=request.prefer,
         )
 
     return solve
+
+
+def _name_letters(robot: Robot, request: SolveRequest) -> int:
+    """Return the letters of the longest name of a body or an object; 0 without a scene."""
+    if request.scene is None:
+        return 0
+    collider = request.scene.collider(robot)
+    return max(1, *map(len, (*collider.bodies.names, *collider.scene.names)))
 
 
 def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
@@ -195,6 +224,10 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
         "orientation_tolerance_rad": repr(request.orientation_tolerance),
         "seed": str(request.seed),
     }
+    if request.scene is not None:
+        values["scene"] = request.scene_name
+        values["clear_m"] = repr(request.clear)
+        values["prefer"] = request.prefer
     if task == "axis":
         values["tool_axis"] = _words(request.tool_axis)
         where = request.direction
@@ -209,12 +242,3 @@ def _words(vector: Vector) -> str:
 def _id_bytes(pieces: list[ResultChunk]) -> int:
     """Return the bytes of the pieces' ids once they are joined, all as wide as the widest."""
     return sum(map(len, pieces)) * max(piece.ids.dtype.itemsize for piece in pieces)
-
-
-def _joined(pieces: list[ResultChunk]) -> ResultChunk:
-    if len(pieces) == 1:
-        return pieces[0]
-    names = ResultChunk.__dataclass_fields__
-    return ResultChunk(
-        **{name: np.concatenate([getattr(piece, name) for piece in pieces]) for name in names}
-    )

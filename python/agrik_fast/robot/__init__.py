@@ -5,21 +5,31 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks import FloatArray, float_array, text, whole_number, word
-from ._definition import Definition, bundled_names, from_robot_file, locate, naming_file, read_urdf
+from ._collision import CollisionBodies
+from ._definition import (
+    Definition,
+    bundled_names,
+    from_robot_file,
+    locate,
+    naming_file,
+    urdf_geometry,
+)
 from ._dh_rows import CONVENTIONS, DhRow, read_table
 from ._inverse import InverseKinematics
+from ._inverse import Prefer as Prefer
+from ._inverse import SceneOf as SceneOf
 from ._path import Path
 
 __all__ = ["DhRow", "Path", "Robot"]
 
 
-class Robot(InverseKinematics):
+class Robot(InverseKinematics, CollisionBodies):
     """A serial arm: joints with limits, a base and a tool transform.
 
     Make one with `Robot.load`, `Robot.from_dh` or `Robot.from_urdf`. A robot never
@@ -41,11 +51,12 @@ class Robot(InverseKinematics):
     (True, True)
     """
 
-    __slots__ = ("_chain", "_definition")
+    __slots__ = ("_chain",)
 
     def __init__(self, definition: Definition) -> None:
         self._definition = definition
         self._chain = definition.build()
+        self._compiled = None
 
     # -- where robots come from ------------------------------------------------------
 
@@ -158,11 +169,16 @@ class Robot(InverseKinematics):
         path_or_text: str | PathLike[str],
         base_link: str | None = None,
         tip_link: str | None = None,
+        *,
+        cylinder: Literal["capsule", "convex", "cover"] = "capsule",
+        mesh: Literal["convex", "cover"] = "convex",
+        mesh_folders: Sequence[str | PathLike[str]] = (),
     ) -> Robot:
         """Build a robot from a URDF.
 
-        Joints, origins, axes, limits and mimic rules count; meshes, inertias and
-        transmissions are ignored.
+        Joints, origins, axes, limits and mimic rules count, and ``<collision>`` geometry,
+        which is read when `bodies` are first needed; visuals, inertias and transmissions are
+        ignored.
 
         Parameters
         ----------
@@ -171,6 +187,15 @@ class Robot(InverseKinematics):
         base_link, tip_link : str, optional
             First and last link of the chain. Default: the only root and the only leaf
             link; needed where there are several.
+        cylinder : {"capsule", "convex", "cover"}, default "capsule"
+            What a cylinder becomes for collisions: a capsule, which reaches out of it by its
+            radius at both ends; a prism of 16 sides, by 1.96 % of it; the cover of its box.
+        mesh : {"convex", "cover"}, default "convex"
+            What each mesh of a file becomes: its convex hull, or the cover of its box. Meshes
+            need the extra ``meshes`` (trimesh, SciPy).
+        mesh_folders : sequence of paths, optional
+            Where mesh files are looked for besides the URDF's own folder: folders that hold
+            ROS packages (``package://``), or what relative names begin from.
 
         Returns
         -------
@@ -188,7 +213,10 @@ class Robot(InverseKinematics):
         for argument, link in (("base_link", base_link), ("tip_link", tip_link)):
             if link is not None:
                 text(argument, link)
-        definition = Definition("from_urdf", (read_urdf(path_or_text), base_link, tip_link))
+        geometry = urdf_geometry(
+            path_or_text, base_link, cylinder=cylinder, mesh=mesh, mesh_folders=mesh_folders
+        )
+        definition = Definition("from_urdf", (geometry.text, base_link, tip_link), urdf=geometry)
         with naming_file(path_or_text):
             return cls(definition)
 
@@ -445,6 +473,9 @@ class Robot(InverseKinematics):
         lower = np.where(np.isfinite(self.lower), self.lower, -np.pi)
         upper = np.where(np.isfinite(self.upper), self.upper, np.pi)
         return generator.uniform(lower, upper, (*shape, self.dof))
+
+    def _with(self, definition: Definition) -> Self:
+        return type(self)(definition)
 
     def __repr__(self) -> str:
         return f"Robot({self.name!r}, dof={self.dof})"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import _native
-from .._checks import FloatArray
+from .._bodies import CYLINDERS, MESHES, Body, CollisionRules, UrdfGeometry, mesh_places
+from .._checks import FloatArray, shown, word
 from .._files import decode, read_bytes
 from ..errors import ArgumentError, UnknownNameError, UrdfError
 from ._dh_rows import DhRow, DhTable
@@ -49,6 +50,13 @@ class Definition:
     convention: str | None = None
     dh: tuple[DhRow, ...] | None = None
     frames: dict[str, FloatArray] = field(default_factory=dict)
+    bodies: tuple[Body, ...] = ()
+    """Bodies that are known; those of a URDF are read when they are asked for."""
+    rules: CollisionRules = field(default_factory=CollisionRules)
+    attached: tuple[Body, ...] = ()
+    """Bodies put on at run time."""
+    urdf: UrdfGeometry | None = None
+    """Where the bodies of a URDF are to be read."""
 
     def build(self) -> _native.Chain:
         """Compile the chain."""
@@ -103,6 +111,36 @@ def read_urdf(path_or_text: str | PathLike[str]) -> str:
     return decode(read_bytes(path, refuse, _URDF_BYTES), refuse)
 
 
+def urdf_geometry(
+    path_or_text: str | PathLike[str],
+    base_link: str | None,
+    *,
+    cylinder: str,
+    mesh: str,
+    mesh_folders: Sequence[str | PathLike[str]],
+) -> UrdfGeometry:
+    """Return a URDF's text, and how its solids are to be read."""
+    word("cylinder", cylinder, CYLINDERS)
+    word("mesh", mesh, MESHES)
+    if isinstance(mesh_folders, str) or not isinstance(mesh_folders, Iterable):
+        raise ArgumentError("mesh_folders", shown(mesh_folders), "a sequence of paths")
+    try:
+        folders = [Path(fspath(folder)) for folder in mesh_folders]
+    except TypeError:
+        raise ArgumentError("mesh_folders", shown(mesh_folders), "a sequence of paths") from None
+    content = read_urdf(path_or_text)
+    text = fspath(path_or_text)
+    file = None if "<" in text else Path(text)
+    return UrdfGeometry(
+        content,
+        "URDF" if file is None else file.name,
+        base_link,
+        mesh_places(None if file is None else file.parent, folders),
+        cylinder,
+        mesh,
+    )
+
+
 @contextlib.contextmanager
 def naming_file(path_or_text: str | PathLike[str]) -> Iterator[None]:
     """Put the name of the file, if there is one, before what is wrong with its URDF."""
@@ -119,6 +157,7 @@ def from_robot_file(path: Path) -> Definition:
     """Read a robot file."""
     # pydantic takes longer to import than everything else together, and robots made
     # from rows or URDF do not need it.
+    from ._collision_tables import bodies_of
     from ._file import read, source_fields
 
     content = read(path)
@@ -136,6 +175,8 @@ def from_robot_file(path: Path) -> Definition:
         convention=content.convention,
         dh=dh,
         frames={name: table.matrix() for name, table in content.frames.items()},
+        bodies=bodies_of(content.collision, content.provenance),
+        rules=content.collision_rules.rules(),
     )
 
 

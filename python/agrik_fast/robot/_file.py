@@ -2,7 +2,8 @@
 
 A file describes a chain in one of two forms, ``[[dh]]`` rows or ``[[joint]]``
 rows, with optional ``[base]``, ``[tool]``, ``[frames.<name>]``, ``[source]`` and
-``[provenance]`` tables. Every number's key ends in its unit: ``_m`` or ``_mm``,
+``[provenance]`` tables, and bodies for collisions (``[[collision]]``,
+``[collision_rules]``). Every number's key ends in its unit: ``_m`` or ``_mm``,
 ``_rad`` or ``_deg``. Unknown keys are faults, and all faults of a file are
 reported at once.
 
@@ -24,6 +25,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 from .. import _rotations
 from .._files import decode, listing, parse_toml, read_bytes, shown
 from ..errors import Fault, RobotFileError, nearest_names
+from ._collision_tables import CollisionRulesTable, CollisionTable, collision_faults
 from ._file_checks import NAMED_FAULTS, combined_faults, quantity
 
 __all__ = ["DhTable", "JointTable", "MimicTable", "RobotFile", "TransformTable", "read"]
@@ -216,6 +218,10 @@ class RobotFile(_Table):
     """Denavit-Hartenberg rows, from base to tool."""
     joint: Annotated[list[JointTable], Field(max_length=_ROWS)] = []
     """Joint rows, from base to tool."""
+    collision: Annotated[list[CollisionTable], Field(max_length=_ROWS)] = []
+    """Bodies on the frames."""
+    collision_rules: CollisionRulesTable = CollisionRulesTable()
+    """Which collisions of them count."""
 
 
 def read(path: Path) -> RobotFile:
@@ -262,6 +268,7 @@ def parse(data: bytes, name: str) -> RobotFile:
             faults.append(Fault(_place(item["loc"]), message))
     if not any(isinstance(raw.get(rows), list) and len(raw[rows]) > _ROWS for rows in _ROW_TABLES):
         faults += combined_faults(raw)
+        faults += collision_faults(raw)
     if faults or result is None:
         raise RobotFileError(name, faults)
     return result
@@ -280,16 +287,18 @@ def _place(loc: tuple[int | str, ...]) -> str:
     return ", ".join(part for part in (place, key) if part)
 
 
-_ROW_TABLES = ("dh", "joint")
+_ROW_TABLES = ("dh", "joint", "collision")
 # Letters of a key that others are compared with.
 _COMPARED = 60
-_TABLES: dict[str, type[_Table]] = {
+_TABLES: dict[str, type[BaseModel]] = {
     "base": TransformTable,
     "tool": TransformTable,
     "frames": TransformTable,
     "source": SourceTable,
     "dh": DhTable,
     "joint": JointTable,
+    "collision": CollisionTable,
+    "collision_rules": CollisionRulesTable,
 }
 
 
@@ -299,7 +308,7 @@ def _message(
     if kind == "missing":
         return "missing"
     if kind == "extra_forbidden":
-        table = RobotFile if len(loc) == 1 else _TABLES[str(loc[0])]
+        table: type[BaseModel] = RobotFile if len(loc) == 1 else _TABLES[str(loc[0])]
         if "mimic" in loc[:-1]:
             table = MimicTable
         known = list(table.model_fields)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Literal, Protocol, cast
+from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from . import Robot
 
 __all__ = ["InverseKinematics"]
+
+
+Prefer: TypeAlias = Literal["first", "near", "clearance"]
+"""Which of several postures that are free of collisions."""
 
 
 class SceneOf(Protocol):
@@ -51,7 +55,7 @@ class InverseKinematics:
         first_index: int = 0,
         scene: SceneOf | Collider | None = None,
         clear: float = 0.0,
-        prefer: Literal["first", "near", "clearance"] = "first",
+        prefer: Prefer = "first",
     ) -> IkResult:
         """Inverse kinematics of a batch of targets.
 
@@ -445,7 +449,7 @@ class InverseKinematics:
         first_index: int = 0,
         scene: SceneOf | Collider | None = None,
         clear: float = 0.0,
-        prefer: Literal["first", "near", "clearance"] = "first",
+        prefer: Prefer = "first",
     ) -> Iterator[IkResult]:
         """Inverse kinematics of a stream of chunks, for more targets than memory holds.
 
