@@ -5,6 +5,7 @@ mod arms;
 mod collision;
 mod convert;
 mod errors;
+mod harvest;
 mod ik;
 mod result;
 mod robot;
@@ -33,6 +34,8 @@ mod _native {
     use collision::scene::Scene;
     #[pymodule_export]
     use errors::_panic;
+    #[pymodule_export]
+    use harvest::station::{HarvestStation, harvest_words};
     #[pymodule_export]
     use ik::branches::Branches;
     #[pymodule_export]
