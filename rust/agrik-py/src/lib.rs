@@ -6,6 +6,7 @@ mod collision;
 mod convert;
 mod errors;
 mod files;
+mod harvest;
 mod ik;
 mod records;
 mod result;
@@ -39,6 +40,8 @@ mod _native {
     use files::csv_reader::CsvRows;
     #[pymodule_export]
     use files::csv_writer::csv_lines;
+    #[pymodule_export]
+    use harvest::station::{HarvestStation, harvest_words};
     #[pymodule_export]
     use ik::branches::{Branches, branches};
     #[pymodule_export]

@@ -24,7 +24,7 @@ pub struct Bodies {
 
 /// How a body stands on the chain that the lanes work on.
 #[derive(Debug, Clone)]
-pub(super) struct Mount {
+pub(crate) struct Mount {
     /// How many of the moving joints move it.
     pub link: usize,
     /// The solid in the frame of the last of them, or in the world where none does.
@@ -138,7 +138,7 @@ impl Bodies {
         self.mounts[body].link
     }
 
-    pub(super) fn mounts(&self) -> &[Mount] {
+    pub(crate) fn mounts(&self) -> &[Mount] {
         &self.mounts
     }
 
@@ -163,7 +163,7 @@ impl Bodies {
     }
 
     /// [`Bodies::place`] of joint values that are known to be sound.
-    pub(super) fn place_unchecked(&self, q: &[f64], placed: &mut Placed) {
+    pub(crate) fn place_unchecked(&self, q: &[f64], placed: &mut Placed) {
         let mut frames = std::mem::take(&mut placed.numbers);
         frames.resize(FRAME * self.chain.compiled().links.len(), 0.0);
         moving_frames(&self.chain, q, &mut frames);

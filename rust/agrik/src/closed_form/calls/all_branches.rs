@@ -75,7 +75,8 @@ impl Kernel for InLanes<'_, '_> {
             for lane in 0..R::WIDTH {
                 if used >> lane & 1 != 0 {
                     let bad = bad >> lane & 1 != 0;
-                    write(&group, lane, bad, rows, row - rows.first + lane);
+                    let last = query.last_search;
+                    write(&group, lane, (bad, last), rows, row - rows.first + lane);
                 }
             }
             row += R::WIDTH;
@@ -88,7 +89,7 @@ impl Kernel for InLanes<'_, '_> {
 fn write<R: Real>(
     group: &Group<'_, R>,
     lane: usize,
-    bad: bool,
+    (bad, last_search): (bool, bool),
     rows: &mut BranchesMut<'_>,
     i: usize,
 ) {
@@ -116,8 +117,11 @@ fn write<R: Real>(
         rows.valid[i * count + b] = valid;
         rows.singular[i * count + b] = if reached { candidate.flags(lane) } else { 0 };
     }
-    rows.status[i] =
-        if any_valid { Status::Converged as u8 } else { none(group, lane, rows, i) as u8 };
+    rows.status[i] = match (any_valid, last_search) {
+        (true, _) => Status::Converged as u8,
+        (false, true) => none(group, lane, rows, i) as u8,
+        (false, false) => Status::NotFound as u8,
+    };
 }
 
 /// The branches of a lane that are such beside the others, a bit each.
@@ -177,7 +181,7 @@ impl Kernel for OneByOne<'_, '_> {
             let mut found = Alone::new(&job);
             match query.alone::<R>(&job, rows.first + i) {
                 Some(target) => {
-                    found.solve(&job, &target, None);
+                    found.solve(&job, &target, query.last_search, None);
                     found.drop_rough();
                 }
                 None => found.stand_in(&job),

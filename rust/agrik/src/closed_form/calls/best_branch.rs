@@ -109,7 +109,7 @@ fn alone_best<R: Real>(
     target.near.judged_by(choice, job.geometry);
     let mut found = Alone::new(job);
     let mut left = Left::new();
-    found.solve(job, &target, Some((&mut left, choice)));
+    found.solve(job, &target, true, Some((&mut left, choice)));
     if let Some(b) = found.best(&left) {
         let outcome = reached(left.position2[b], left.chord2[b]);
         rows.finish(i, outcome).copy_from_slice(found.branch(b));

@@ -122,6 +122,7 @@ impl Alone {
         &mut self,
         job: &Job<'_>,
         target: &Target<R>,
+        last_search: bool,
         mut left: Option<(&mut Left, Choice)>,
     ) {
         let variables = job.variables();
@@ -169,6 +170,8 @@ impl Alone {
         }
         self.status = if self.reached & self.inside != 0 {
             Status::Converged
+        } else if !last_search {
+            Status::NotFound
         } else {
             let centre = near.centre.map(|x| x.lane(0));
             self.none(job, &target.goal, &centre, left.map(|(left, _)| left))
@@ -266,7 +269,7 @@ impl Kernel for Branching<'_> {
     fn run<R: Real>(self) {
         match self.query.alone::<R>(self.job, 0) {
             Some(target) => {
-                self.out.solve(self.job, &target, None);
+                self.out.solve(self.job, &target, self.query.last_search, None);
                 self.out.drop_rough();
             }
             None => self.out.stand_in(self.job),

@@ -117,10 +117,14 @@ impl<'a> Sweep<'a> {
             let slide = places[b / found.branches];
             let apart = |(a, b): (&f64, &f64)| (a - b) * (a - b);
             let off = slide - centre[lead.variable()];
-            let cost = off.mul_add(off, q.iter().zip(&near).map(apart).sum());
+            let mut cost = off.mul_add(off, q.iter().zip(&near).map(apart).sum());
+            let mut q = q.to_vec();
+            q.insert(lead.variable(), slide);
+            if let Some(guard) = self.request.guard() {
+                let Some(score) = guard.score(&q, cost, |i| centre[i]) else { continue };
+                cost = -score;
+            }
             if best.as_ref().is_none_or(|best| cost < best.cost) {
-                let mut q = q.to_vec();
-                q.insert(lead.variable(), slide);
                 best = Some(Posture { slide, q, cost });
             }
         }

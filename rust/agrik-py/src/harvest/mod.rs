@@ -1,0 +1,4 @@
+//! Harvest postures: the class `HarvestStation`.
+
+pub mod settings;
+pub mod station;
