@@ -24,7 +24,7 @@ from ..io import (
 )
 from ..result import IkResult
 from ..robot import Robot
-from ..tasks import Axis
+from ..tasks import Axis, PositionFirst
 from ._pipeline import Pipeline, Solve
 from ._progress import Progress, Silent
 from ._summary import Summary
@@ -85,7 +85,9 @@ class SolveRequest:
     force: bool = False
 
 
-def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str | Axis]:
+def choose_task(
+    request: SolveRequest, reader: TargetReader
+) -> tuple[str, str | Axis | PositionFirst]:
     """Return the task's name and what `Robot.ik` gets for it.
 
     Raises
@@ -102,7 +104,7 @@ def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str |
     if name != "axis":
         if request.direction is not None:
             raise ArgumentError("direction", f"task '{name}'", "task 'axis'")
-        return name, name
+        return name, PositionFirst() if name == PositionFirst.name else name
     if request.direction is None and not reader.is_pose:
         raise ArgumentError("direction", "nothing", "one, as the targets are points")
     return name, Axis(tool_axis=request.tool_axis, direction=request.direction)
@@ -185,7 +187,7 @@ def _check_tolerances(request: SolveRequest) -> None:
         raise ArgumentError("tolerance_frame", repr(frame), "'base' or 'tool'")
 
 
-def _solver(robot: Robot, task: str | Axis, request: SolveRequest) -> Solve:
+def _solver(robot: Robot, task: str | Axis | PositionFirst, request: SolveRequest) -> Solve:
     def solve(targets: NDArray[np.float64], first_index: int) -> IkResult:
         return robot.ik(
             targets,
