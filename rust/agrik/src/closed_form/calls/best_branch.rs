@@ -47,6 +47,14 @@ impl Solve for Query<'_> {
                     }
                     _ => dispatch(level, InLanes { query, rows, begin: done, end }),
                 }
+                let (request, aim) = (&self.request, self.request.aim());
+                if aim.tolerance().axes.is_some() {
+                    // Branches are found by whole errors; what is told is of the axes that count.
+                    rows.tell_anew(done, end, |row, q| {
+                        let left = aim.left(&self.job().at(q), &request.goal(row)?);
+                        Some((left.position2.sqrt(), left.orientation2.sqrt()))
+                    });
+                }
                 done = end;
                 if !keep_going() {
                     return false;
