@@ -115,8 +115,9 @@ def test_an_arm_of_five_joints_solves_poses_that_it_cannot_take(five, case):
     )
     assert result.success.mean() >= 0.99
     assert_within(five_fk(result.q), goals, result, position, orientation, frame)
-    # Poses as a whole are out of this arm's reach, but for turns of its last joint.
-    assert five.ik(goals).success.mean() < 0.5
+    if case != "free about tool z":
+        # Poses as a whole are out of this arm's reach, but for turns of its last joint.
+        assert five.ik(goals).success.mean() < 0.5
 
 
 @pytest.mark.parametrize("solver", [*STEPS, "pinv-closed", "ik-pid", "de"])
@@ -302,7 +303,7 @@ def test_position_first_meets_the_position_and_turns_the_tool_well(five):
         np.concatenate([np.zeros((40, 3)), rng.uniform(-0.4, 0.4, (40, 3))], axis=1),
         "base",
     )
-    result = five.ik(goals, task="position-first")
+    result = five.ik(goals, task=tasks.PositionFirst())
     assert result.success.all()
     left = errors(five_fk(result.q), goals, "base")
     assert (np.linalg.norm(left[:, :3], axis=-1) <= 1e-6 + ROUNDING).all()
@@ -337,7 +338,7 @@ def test_position_first_out_of_reach_is_proven_and_near(load_robot):
     arm = load_robot("puma560")
     goals = arm.fk(arm.random_q(20, seed=19))
     goals[:, :3, 3] += [0, 0, 5.0]
-    result = arm.ik(goals, task="position-first")
+    result = arm.ik(goals, task=tasks.PositionFirst())
     assert (result.status == ik.Status.OUT_OF_REACH).all()
     nearest = arm.ik(goals[:, :3, 3])
     assert (result.position_error <= nearest.position_error + 1e-5).all()
@@ -346,8 +347,8 @@ def test_position_first_out_of_reach_is_proven_and_near(load_robot):
 def test_position_first_needs_orientations_and_a_loop_that_can(load_robot):
     arm = load_robot("puma560")
     with pytest.raises(ArgumentError, match="poses"):
-        arm.ik(np.zeros(3), task="position-first")
+        arm.ik(np.zeros(3), task=tasks.PositionFirst())
     with pytest.raises(ArgumentError, match="full pose"):
-        arm.ik(np.eye(4), task="position-first", solver="closed_form")
+        arm.ik(np.eye(4), task=tasks.PositionFirst(), solver="closed_form")
     with pytest.raises(ArgumentError, match="position task"):
-        arm.ik(np.eye(4), task="position-first", solver=solvers.CyclicCoordinateDescent())
+        arm.ik(np.eye(4), task=tasks.PositionFirst(), solver=solvers.CyclicCoordinateDescent())

@@ -24,7 +24,7 @@ from ..io import (
 )
 from ..result import IkResult
 from ..robot import Prefer, Robot, SceneOf
-from ..tasks import Axis, Masked
+from ..tasks import Axis, Masked, PositionFirst
 from ._pipeline import Pipeline, Solve
 from ._progress import Progress, Silent
 from ._robot_choice import RobotChoice
@@ -119,7 +119,9 @@ class SolveRequest:
         return RobotChoice(self.robot, self.base_link, self.tip_link, self.tool, self.frame)
 
 
-def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str | Axis | Masked]:
+def choose_task(
+    request: SolveRequest, reader: TargetReader
+) -> tuple[str, str | Axis | Masked | PositionFirst]:
     """Return the task's name and what `Robot.ik` gets for it.
 
     Raises
@@ -142,7 +144,7 @@ def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str |
     if request.mask is not None:
         return name, Masked(request.mask, request.mask_frame)  # type: ignore[arg-type]
     if name != "axis":
-        return name, name
+        return name, PositionFirst() if name == PositionFirst.name else name
     if request.direction is None and not reader.is_pose:
         raise ArgumentError("direction", "nothing", "one, as the targets are points")
     return name, Axis(tool_axis=request.tool_axis, direction=request.direction)
@@ -233,7 +235,9 @@ def _check_tolerances(request: SolveRequest) -> None:
         raise ArgumentError("tolerance_frame", repr(frame), "'base' or 'tool'")
 
 
-def _solver(robot: Robot, task: str | Axis | Masked, request: SolveRequest) -> Solve:
+def _solver(
+    robot: Robot, task: str | Axis | Masked | PositionFirst, request: SolveRequest
+) -> Solve:
     def solve(targets: NDArray[np.float64], first_index: int) -> IkResult:
         return robot.ik(
             targets,

@@ -72,7 +72,7 @@ class InverseKinematics:
         ----------
         targets : array_like, shape (..., 4, 4) or (..., 3)
             Poses of the tool, or positions of the tool point, in the base frame; m.
-        task : task or {"position", "pose", "axis", "position-first"}, optional
+        task : task or {"position", "pose", "axis"}, optional
             What counts as reached, see `agrik_fast.tasks`. Default: "pose" for shape
             (..., 4, 4), "position" for (..., 3).
         solver : solver or a name, default "lm"
@@ -186,7 +186,7 @@ class InverseKinematics:
 
         Parameters
         ----------
-        task : task or {"position", "pose", "axis", "position-first"}, default "pose"
+        task : task or {"position", "pose", "axis"}, default "pose"
             What counts as reached, see `agrik_fast.tasks`.
         solver, seed, tool, position_tolerance, orientation_tolerance, tolerance_frame
             As for `ik`; step solvers only.

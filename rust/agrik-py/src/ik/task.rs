@@ -32,10 +32,8 @@ pub fn wanted(task: Option<&Bound<'_, PyAny>>, targets_are_poses: bool) -> PyRes
             "position" => Ok(Task::Position.into()),
             "pose" => Ok(Task::Pose.into()),
             "axis" => Ok(Task::Axis { tool_axis: [0.0, 0.0, 1.0] }.into()),
-            "position-first" => Ok(Task::PositionFirst.into()),
             other => {
-                let known = ["position", "pose", "axis", "position-first"];
-                Err(errors::unknown_name(task.py(), "task", other, &known))
+                Err(errors::unknown_name(task.py(), "task", other, &["position", "pose", "axis"]))
             }
         };
     }

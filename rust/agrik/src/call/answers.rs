@@ -220,6 +220,24 @@ impl<'a> AnswersMut<'a> {
             .collect()
     }
 
+    /// Tells the errors of solved rows from `first` to `end` of this run anew.
+    pub(crate) fn tell_anew(
+        &mut self,
+        first: usize,
+        end: usize,
+        mut errors: impl FnMut(usize, &[f64]) -> Option<(f64, f64)>,
+    ) {
+        let dof = self.q.len() / self.status.len().max(1);
+        for i in first..end {
+            let q = &self.q[i * dof..(i + 1) * dof];
+            if self.status[i] == Status::Converged as u8
+                && let Some((position, orientation)) = errors(self.first + i, q)
+            {
+                (self.position_error[i], self.orientation_error[i]) = (position, orientation);
+            }
+        }
+    }
+
     /// Writes row `i` of this run and returns its joint values to be filled.
     #[inline(always)]
     pub(crate) fn finish(&mut self, i: usize, outcome: Outcome) -> &mut [f64] {

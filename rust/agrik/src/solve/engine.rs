@@ -16,7 +16,7 @@ use self::attempts::Job;
 use self::feedback::{Halt, Memory};
 use self::runs::Runs;
 use self::slack::Relaxed;
-use super::limit::{Limit, limits};
+use super::limit::{Limit, limits, nearest_turn};
 use super::plan::Plan;
 use super::setup::Setup;
 use super::step::{Step, dot, pulled, squared_norm};
@@ -104,14 +104,6 @@ impl<R: Real> Enough<R> {
         let near = R::and(place, error.orientation2.le(self.orientation2));
         R::bits(if T::BOUNDED { R::and(near, error.outside.le(R::splat(INSIDE))) } else { near })
     }
-}
-
-/// An angle without the whole turns that part it from a reference.
-#[inline(always)]
-fn wound<R: Real>(angle: R, reference: R) -> R {
-    use std::f64::consts::TAU;
-    let turns = ((angle - reference) * R::splat(1.0 / TAU)).round();
-    turns.mul_add(R::splat(-TAU), angle)
 }
 
 struct Engine<'p, R: Real, T, const M: usize, const FEEDBACK: bool> {
@@ -442,7 +434,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
     fn wind_back(&mut self, moved: R::Mask) {
         for ((v, q), reference) in self.variables.iter().zip(&mut self.q).zip(&self.reference) {
             if v.kind == JointKind::Continuous {
-                *q = R::select(moved, wound(*q, *reference), *q);
+                *q = R::select(moved, nearest_turn(*q, *reference), *q);
             }
         }
     }

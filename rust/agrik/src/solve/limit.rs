@@ -4,9 +4,18 @@ use super::plan::Plan;
 use crate::call::Starts;
 use crate::chain::{JointKind, UNLIMITED, Variable};
 use crate::kinematics::PerJoint;
+use crate::lanes::Real;
 
 /// A full turn, with room for rounding.
 const TURN: f64 = std::f64::consts::TAU + 1e-9;
+
+/// An angle without the whole turns that part it from a reference.
+#[inline(always)]
+pub(super) fn nearest_turn<R: Real>(angle: R, reference: R) -> R {
+    use std::f64::consts::TAU;
+    let turns = ((angle - reference) * R::splat(1.0 / TAU)).round();
+    turns.mul_add(R::splat(-TAU), angle)
+}
 
 /// The limits of one joint value, rad or m.
 #[derive(Debug, Clone, Copy)]
@@ -62,8 +71,7 @@ impl Limit {
     #[inline(always)]
     pub fn wound(&self, x: f64, about: f64) -> f64 {
         use std::f64::consts::TAU;
-        let nearest = |to: f64| x + ((to - x) / TAU).round() * TAU;
-        let mut y = nearest(about);
+        let mut y = nearest_turn(x, about);
         if y < self.lower {
             y += TAU;
         } else if y > self.upper {

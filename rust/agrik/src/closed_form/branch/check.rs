@@ -47,6 +47,23 @@ pub fn least_outside(limits: &[Limit], q: &mut [f64; JOINTS]) -> f64 {
     worst
 }
 
+/// Takes joint values inside the limits to the turns nearest to their centres that are inside.
+pub fn nearest_turns(limits: &[Limit], q: &mut [f64; JOINTS], centre: &[f64; JOINTS]) {
+    for ((x, limit), centre) in q.iter_mut().zip(limits).zip(centre) {
+        let mut other = *x + TAU * ((centre - *x) / TAU).round();
+        if other < limit.lower {
+            other += TAU;
+        } else if other > limit.upper {
+            other -= TAU;
+        }
+        // Half a turn on either side is as near.
+        let nearer = (other - centre).abs() < (*x - centre).abs() - SLACK;
+        if nearer && limit.lower <= other && other <= limit.upper {
+            *x = other;
+        }
+    }
+}
+
 /// Brings the joint values of a branch within limits by whole turns; returns the lanes in
 /// which all are.
 #[inline(always)]

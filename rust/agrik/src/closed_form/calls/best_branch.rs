@@ -51,6 +51,14 @@ impl Solve for Query<'_> {
                 if let Some(guard) = self.request.guard() {
                     accepted_branch::guarded(self, guard, level, rows, done..end);
                 }
+                let (request, aim) = (&self.request, self.request.aim());
+                if aim.tolerance().axes.is_some() {
+                    // Branches are found by whole errors; what is told is of the axes that count.
+                    rows.tell_anew(done, end, |row, q| {
+                        let left = aim.left(&self.job().at(q), &request.goal(row)?);
+                        Some((left.position2.sqrt(), left.orientation2.sqrt()))
+                    });
+                }
                 done = end;
                 if !keep_going() {
                     return false;

@@ -44,7 +44,16 @@ pub struct Set {
 impl Set {
     /// Nothing found yet.
     pub fn new() -> Self {
-        Self { q: [[0.0; 6]; MOST], count: 0, singular: [0; MOST], free: 0, noise: 0.0, roots: 0, places: 0, second: false }
+        Self {
+            q: [[0.0; 6]; MOST],
+            count: 0,
+            singular: [0; MOST],
+            free: 0,
+            noise: 0.0,
+            roots: 0,
+            places: 0,
+            second: false,
+        }
     }
 
     /// The postures.
@@ -70,9 +79,7 @@ impl Set {
     /// The same with its singularities and free joints.
     pub fn add_with(&mut self, q: &[f64; 6], singular: u8, free: u8) -> bool {
         let q = q.map(turned);
-        let same = |other: &[f64; 6]| {
-            other.iter().zip(&q).all(|(a, b)| turned(a - b).abs() < SAME)
-        };
+        let same = |other: &[f64; 6]| other.iter().zip(&q).all(|(a, b)| turned(a - b).abs() < SAME);
         if self.count == MOST || self.postures().iter().any(same) {
             return false;
         }

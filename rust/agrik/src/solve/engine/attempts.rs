@@ -276,8 +276,17 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             }
             job.steps += end.map_or(0, |end| end.steps);
             // First the place, then how the tool is turned.
-            let end = end.filter(|end| end.best).unwrap_or_else(|| whole.place_first(&mut q));
+            let mut end = end.filter(|end| end.best).unwrap_or_else(|| whole.place_first(&mut q));
             job.steps += end.steps;
+            if !end.best && end.is_close(scale) {
+                // From the right place the rest of the way may be open.
+                let mut there = q.clone();
+                let again = whole.run(&mut there);
+                job.steps += again.steps;
+                if again.best {
+                    (end, q) = (again, there);
+                }
+            }
             let order = best.as_ref().map(|(before, _)| end.compare(before, SAME, scale));
             match order {
                 None | Some(Ordering::Less) => agree = 0,

@@ -35,6 +35,8 @@ const LITTLE: f64 = 1e-3;
 const LESS: f64 = 0.1;
 const FINER: u32 = 3;
 const NEAR: f64 = 1e-3;
+/// A pose that is off by less is nearly right, rad.
+const CLOSE: f64 = 0.1;
 /// Entries of a matrix that are held without an allocation.
 const SQUARE: usize = 64;
 
@@ -70,6 +72,11 @@ impl End {
             other.orientation_error,
             same,
         ))
+    }
+
+    /// The tool is off by little, beside a length per radian.
+    pub fn is_close(&self, scale: f64) -> bool {
+        self.orientation_error < CLOSE && self.position_error < CLOSE * scale
     }
 
     /// The better answer of the two.

@@ -98,7 +98,14 @@ impl Ring {
     }
 
     /// Runs one cut on goals in arm lengths.
-    fn run_cut(&self, level: Level, cut: usize, goals: &[Rigid<f64>], sets: &mut [Set], work: &mut Work) {
+    fn run_cut(
+        &self,
+        level: Level,
+        cut: usize,
+        goals: &[Rigid<f64>],
+        sets: &mut [Set],
+        work: &mut Work,
+    ) {
         let (cut, serial) = (&self.cuts[cut], &self.serial);
         dispatch(level, OneCut { cut, serial, goals, sets, work });
     }

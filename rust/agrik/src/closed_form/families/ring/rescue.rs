@@ -86,9 +86,9 @@ impl Ring {
                 continue;
             };
             let least = svd.singular_values.imin();
-            let Some(v) = svd.v_t.filter(|_| {
-                svd.singular_values[least] < FLAT * svd.singular_values.max()
-            }) else {
+            let Some(v) =
+                svd.v_t.filter(|_| svd.singular_values[least] < FLAT * svd.singular_values.max())
+            else {
                 continue;
             };
             for far in TWINS {
