@@ -1,7 +1,9 @@
 //! Poses and Jacobians of many configurations, several in step.
 
+use smallvec::{SmallVec, smallvec};
+
 use super::fk::forward_far;
-use super::{Frame, Workspace, columns, forward};
+use super::{Frame, PerJoint, Workspace, columns, forward};
 use crate::chain::{Chain, JointKind, Tail, UNLIMITED, Variable};
 use crate::lanes::{Kernel, Level, Real, V3, WIDEST, dispatch, dispatch_single};
 
@@ -125,8 +127,9 @@ impl Kernel for Frames<'_> {
         let compiled = self.chain.compiled();
         let dof = compiled.dof;
         let size = FRAME * compiled.links.len();
-        let mut q = vec![R::zero(); dof];
-        let mut frames = vec![R::zero(); size];
+        // On the stack for most arms, as a lone posture is what solvers ask about.
+        let mut q: PerJoint<R> = smallvec![R::zero(); dof];
+        let mut frames: SmallVec<[R; 8 * FRAME]> = smallvec![R::zero(); size];
         let groups = self.q.chunks(dof * R::WIDTH).zip(self.out.chunks_mut(size * R::WIDTH));
         for (from, to) in groups {
             let rows = from.len() / dof;
