@@ -7,7 +7,8 @@ use std::sync::Arc;
 
 use agrik_motion::Bodies;
 use agrik_motion::harvest::{
-    Decision, Mode, Settings, Stage, Static, Station, Status, Target, blockers, decide, full, plan,
+    DIFFERENTIAL, Decision, GENETIC, Mode, Programme, Roles, Settings, Stage, Station, Status,
+    Target, Weights, blockers, decide, full, plan,
 };
 use agrik_solids::{Cloud, Cuboid, Object, Scene, Split};
 use common::{bodies, numbers};
@@ -28,8 +29,7 @@ fn three(value: &Value) -> [f64; 3] {
 struct Made {
     scene: Arc<Scene>,
     targets: Vec<Target>,
-    skip: Vec<(usize, usize)>,
-    statics: Vec<Static>,
+    roles: Roles,
     bodies: Arc<Bodies>,
 }
 
@@ -62,7 +62,7 @@ fn made(name: &str, without: &[&str], more: &[[f64; 3]]) -> Made {
         let cuboid = Cuboid::upright(three(&fixed["centre"]), three(&fixed["half"])).unwrap();
         objects.push(Object::new(fixed["name"].as_str().unwrap(), "machine").with(cuboid));
     }
-    let statics = (first..objects.len()).map(|object| Static { object }).collect();
+    let statics = (first..objects.len()).collect();
     let scene = Scene::new(objects).unwrap();
     let skip = file["static_skip"].as_array().unwrap().iter().map(|pair| {
         let body = bodies.body(pair[0].as_str().unwrap()).unwrap();
@@ -79,15 +79,15 @@ fn made(name: &str, without: &[&str], more: &[[f64; 3]]) -> Made {
             targets.push(Target { name: name.clone(), point: three(point), objects });
         }
     }
-    Made { scene: Arc::new(scene), targets, skip, statics, bodies }
+    let touching = ["gripper", "flange"].map(|name| bodies.body(name).unwrap()).to_vec();
+    let roles = Roles { statics, skip, touching };
+    Made { scene: Arc::new(scene), targets, roles, bodies }
 }
 
 impl Made {
     fn station(&self, mode: Mode) -> Station {
-        let touching: Vec<usize> =
-            ["gripper", "flange"].iter().map(|name| self.bodies.body(name).unwrap()).collect();
         let (bodies, scene) = (Arc::clone(&self.bodies), Arc::clone(&self.scene));
-        Station::new(bodies, scene, &self.statics, &self.skip, &touching, mode).unwrap()
+        Station::new(bodies, scene, &self.roles, mode).unwrap()
     }
 
     fn target(&self, name: &str) -> &Target {
@@ -115,12 +115,12 @@ fn check(made: &Made, station: &Station, target: &Target, found: &Decision, sett
     assert!(off.iter().all(|off| off.abs() < 1e-12), "{off:?}");
     assert!((tool[(2, 0)] + 1.0).abs() < 1e-12);
     let mut least = f64::INFINITY;
-    for (index, body) in station.bodies().bodies().iter().enumerate() {
-        let mut placed = station.bodies().room();
-        station.bodies().place(&row.q, &mut placed).unwrap();
+    for (index, body) in station.around().bodies().bodies().iter().enumerate() {
+        let mut placed = station.around().bodies().room();
+        station.around().bodies().place(&row.q, &mut placed).unwrap();
         let solid = &placed.solids()[index];
         for (object, of) in made.scene.objects().iter().enumerate() {
-            let fixed = made.statics.contains(&Static { object });
+            let fixed = made.roles.statics.contains(&object);
             let own = target.objects.contains(&object);
             if fixed || own && (body.name == "gripper" || body.name == "flange") {
                 continue;
@@ -318,4 +318,37 @@ fn bad_settings_are_refused() {
     let lost = Target { name: "lost".into(), point: [f64::NAN, 0.0, 0.0], objects: vec![] };
     let found = plan(&station, &[lost], &usual, false, 1, &mut || true).unwrap();
     assert_eq!(found[0].status, Status::BadInput);
+}
+
+#[test]
+fn the_programme_finds_what_the_scan_finds() {
+    let made = made("scene_thin", &[], &[]);
+    let station = made.station(Mode::Exact);
+    let target = made.target("C1");
+    let programme = Programme::new(station.around(), target, Weights::default()).unwrap();
+    // The scan is exact in position and orientation, so that distance alone counts.
+    let settings = Settings {
+        distance_weight: 1.0,
+        freedom_weight: 0.0,
+        min_distance: 0.0,
+        min_freedom: 0.0,
+        ..Settings::default()
+    };
+    let scan = full(&station, target, &settings).unwrap().row.unwrap();
+    let terms = programme.terms(&scan.q).unwrap();
+    println!("scan {terms:?}");
+    assert!(terms.cost < 1e-9 && terms.distance > 0.075);
+    assert!((terms.distance - scan.distance).abs() < 1e-12);
+    for (name, settings) in [("de", DIFFERENTIAL), ("ga", GENETIC)] {
+        let start = std::time::Instant::now();
+        let runs = programme.searches(&settings, &[0, 1, 2, 3], 1, &mut || true).unwrap();
+        println!("{name} {:.2} s", start.elapsed().as_secs_f64());
+        for run in &runs {
+            println!("   {:?} {}", run.terms, run.generations);
+            assert!(run.history.windows(2).all(|pair| pair[1] <= pair[0]));
+            assert!((run.terms.cost - run.history.last().unwrap()).abs() < 1e-12);
+        }
+        let again = programme.searches(&settings, &[2], 2, &mut || true).unwrap();
+        assert_eq!(again[0], runs[2]);
+    }
 }

@@ -7,7 +7,8 @@ use agrik_compute::lanes::sub;
 use agrik_solids::{Exemption, Point, Pose, Scene, Solid};
 
 use super::station::Station;
-use crate::{Error, Result};
+use super::surroundings::Minding;
+use crate::Result;
 
 /// What the tool is to reach.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,39 +66,23 @@ impl Approach {
 pub(super) struct Aim<'a> {
     pub station: &'a Station,
     pub point: Point,
-    /// What bodies do not mind: those that may touch the target, and the others.
-    touching: Exemption,
-    others: Exemption,
+    pub minding: Minding,
 }
 
 impl<'a> Aim<'a> {
     pub fn new(station: &'a Station, target: &Target) -> Result<Self> {
-        let objects = station.scene.objects();
-        let name = |index: usize| {
-            let known = objects.get(index).map(|object| object.name.as_str());
-            known.ok_or_else(|| {
-                let expected = format!("objects, 0 to {} - 1", objects.len());
-                Error::argument(format!("targets {:?}", target.name), expected, index)
-            })
-        };
-        let mut names: Vec<&str> =
-            station.statics.iter().map(|index| name(*index)).collect::<Result<_>>()?;
-        let others = station.scene.exempt(names.iter().copied())?;
-        for object in &target.objects {
-            names.push(name(*object)?);
-        }
-        let touching = station.scene.exempt(names)?;
-        Ok(Self { station, point: target.point, touching, others })
+        let minding = Minding::new(&station.around, &target.objects)?;
+        Ok(Self { station, point: target.point, minding })
     }
 
     /// What a body does not mind.
     pub fn exempt(&self, body: usize) -> &Exemption {
-        if self.station.touching[body] { &self.touching } else { &self.others }
+        self.minding.of(body)
     }
 
     /// What a body does not mind once some more objects are gone.
     pub fn exempt_and(&self, body: usize, gone: &BTreeSet<usize>) -> Exemption {
-        self.exempt(body).and(gone.iter().copied(), self.station.scene.objects().len())
+        self.exempt(body).and(gone.iter().copied(), self.station.around.scene.objects().len())
     }
 }
 

@@ -20,8 +20,8 @@ pub(super) fn hard_distance(aim: &Aim<'_>, last: &Pose, least: f64) -> Option<f6
     let station = aim.station;
     let mut distance = f64::INFINITY;
     for (body, solid) in station.hard(last) {
-        distance = station.distance(body, &solid, aim.exempt(body), distance);
-        if distance < least || distance <= 0.0 || station.hits_static(body, &solid) {
+        distance = station.around.distance(body, &solid, aim.exempt(body), distance);
+        if distance < least || distance <= 0.0 || station.around.hits_static(body, &solid) {
             return None;
         }
     }
@@ -39,7 +39,7 @@ pub(super) fn open(aim: &Aim<'_>, approaches: &[Approach]) -> Vec<Open> {
         let Some(hard) = hard_distance(aim, &last, 0.0) else { continue };
         // What is farther than the gripper does not count in the rank.
         let soft = station.soft(&last).fold(hard, |least, (body, solid)| {
-            station.distance(body, &solid, aim.exempt(body), least)
+            station.around.distance(body, &solid, aim.exempt(body), least)
         });
         found.push(Open { approach: *approach, hard, soft });
     }

@@ -55,7 +55,7 @@ pub fn blockers(
         let bodies: Vec<(usize, Solid)> = station.hard(&last).collect();
         let mut set = BTreeSet::new();
         let free = bodies.iter().all(|(body, solid)| {
-            !station.hits_static(*body, solid)
+            !station.around.hits_static(*body, solid)
                 && gather(&aim, *body, solid, settings.min_distance, usize::MAX, &mut set)
         });
         if free {
@@ -95,9 +95,9 @@ fn gather(
     most: usize,
     set: &mut BTreeSet<usize>,
 ) -> bool {
-    let objects = aim.station.scene.objects();
+    let objects = aim.station.around.scene.objects();
     let mut possible = true;
-    aim.station.each_within((body, solid), aim.exempt(body), within, |object| {
+    aim.station.around.each_within((body, solid), aim.exempt(body), within, |object| {
         if objects[object].removable {
             set.insert(object);
         } else {
@@ -135,8 +135,8 @@ impl Search<'_, '_> {
             if row.freedom < self.settings.min_freedom {
                 continue;
             }
-            room.placed.fill(&station.bodies, frames);
-            if station.hits_itself(&room.placed) {
+            room.placed.fill(&station.around.bodies, frames);
+            if station.around.hits_itself(&room.placed) {
                 continue;
             }
             let mut set = hard.clone();
@@ -171,7 +171,7 @@ impl Search<'_, '_> {
         let all = station.rest.iter().map(|body| (*body, room.placed.solids()[*body].clone()));
         for (body, solid) in all.chain(station.hard(&last)) {
             let exempt = self.aim.exempt_and(body, set);
-            distance = station.distance(body, &solid, &exempt, distance);
+            distance = station.around.distance(body, &solid, &exempt, distance);
         }
         let score = self.settings.score(distance, row.freedom);
         Row { distance, score, admissible: true, ..*row }

@@ -280,12 +280,13 @@ impl<'a> Work<'a> {
     /// Distance of all bodies from the crop as they are, m.
     fn exact(&mut self, row: &Row) -> f64 {
         let (station, placed) = (self.aim.station, &mut self.room.placed);
-        station.bodies.place_unchecked(&row.q, placed);
-        (0..station.bodies.len()).filter(|body| station.bodies.moved_by(*body) > 0).fold(
+        station.around.bodies.place_unchecked(&row.q, placed);
+        let around = &station.around;
+        (0..around.bodies.len()).filter(|body| around.bodies.moved_by(*body) > 0).fold(
             f64::INFINITY,
             |least, body| {
                 let exempt = self.aim.exempt(body);
-                station.scene.distance(&placed.solids()[body], exempt, least)
+                around.scene.distance(&placed.solids()[body], exempt, least)
             },
         )
     }

@@ -37,7 +37,7 @@ pub fn approaches(station: &Station, target: &Target, settings: &Settings) -> Re
             let rank = ranked.iter().position(|open| open.approach == *approach);
             let last = last_frame(&approach.pose(aim.point), tail);
             let soft = station.soft(&last).fold(f64::INFINITY, |least, (body, solid)| {
-                station.distance(body, &solid, aim.exempt(body), least)
+                station.around.distance(body, &solid, aim.exempt(body), least)
             });
             Scanned {
                 psi: approach.psi,

@@ -157,14 +157,14 @@ pub(super) fn judge(
     room: &mut Room,
 ) {
     let station = aim.station;
-    let (bodies, chain) = (&station.bodies, station.chain());
+    let (bodies, chain) = (&station.around.bodies, station.chain());
     let size = FRAME * chain.compiled().links.len();
     let q: Vec<f64> = rows.iter().flat_map(|row| row.q).collect();
     room.frames.resize(size * rows.len(), 0.0);
     moving_frames(chain, &q, &mut room.frames);
     for (row, frames) in rows.iter_mut().zip(room.frames.chunks(size)) {
         room.placed.fill(bodies, frames);
-        row.hits_itself = station.hits_itself(&room.placed);
+        row.hits_itself = station.around.hits_itself(&room.placed);
         row.distance = 0.0;
         if !row.hits_itself {
             let solids = room.placed.solids();
@@ -172,7 +172,7 @@ pub(super) fn judge(
                 if least <= 0.0 {
                     return least;
                 }
-                station.distance(body, &solids[body], aim.exempt(body), least)
+                station.around.distance(body, &solids[body], aim.exempt(body), least)
             });
         }
         row.score = settings.score(row.distance, row.freedom);
@@ -190,6 +190,6 @@ pub(super) struct Room {
 
 impl Room {
     pub fn new(aim: &Aim<'_>) -> Self {
-        Self { placed: aim.station.bodies.room(), frames: Vec::new() }
+        Self { placed: aim.station.around.bodies.room(), frames: Vec::new() }
     }
 }

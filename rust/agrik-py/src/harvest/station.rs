@@ -1,7 +1,7 @@
 //! The class `HarvestStation`: decisions as columns of numbers.
 
 use agrik_motion::harvest::{
-    self, DOF, Decision, Mode, Row, Settings, Stage, Static, Status, Target, plan, plan_blockers,
+    self, DOF, Decision, Mode, Roles, Row, Settings, Stage, Status, Target, plan, plan_blockers,
 };
 use agrik_solids::Split;
 use pyo3::IntoPyObject;
@@ -66,9 +66,9 @@ impl HarvestStation {
                 Mode::Tree { level, split }
             }
         };
-        let statics: Vec<Static> = statics.into_iter().map(|object| Static { object }).collect();
+        let roles = Roles { statics, skip: static_skip, touching };
         let (bodies, scene) = (bodies.get().core(), scene.get().core());
-        harvest::Station::new(bodies, scene, &statics, &static_skip, &touching, mode)
+        harvest::Station::new(bodies, scene, &roles, mode)
             .map(Self)
             .map_err(|error| errors::from_core(py, error))
     }
