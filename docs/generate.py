@@ -5,6 +5,7 @@ import math
 from pathlib import Path
 
 import architecture_picture
+import hardware_pictures
 import matplotlib as mpl
 import numpy as np
 import solids_picture
@@ -226,6 +227,7 @@ def main(folder: Path) -> None:
     solids_picture.draw_bodies(folder / "bodies.png", save)
     solids_picture.draw_greenhouse(folder / "scene.png", save)
     solids_picture.draw_clearance(folder / "clearance.svg", save)
+    hardware_pictures.main(folder / "hardware")
     methods = folder / "methods"
     methods.mkdir(exist_ok=True)
     draw_laws(methods)

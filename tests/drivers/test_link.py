@@ -77,8 +77,9 @@ def test_another_device_answers() -> None:
 
 
 def test_an_echo_is_no_board() -> None:
-    with pytest.raises(WrongDeviceError, match="loop://: what is there sends back what it gets"):
-        with Link("loop://", timeout=0.01) as link:
+    with Link("loop://", timeout=0.01) as link:
+        expected = "loop://: what is there sends back what it gets"
+        with pytest.raises(WrongDeviceError, match=expected):
             link.hello(patience=0.05)
 
 
@@ -164,9 +165,9 @@ def test_late_and_foreign_answers_are_no_answers() -> None:
 
 
 def test_another_echo_is_told() -> None:
-    with Link(Answering(lambda f: encode(Frame(Type.PONG, f.sequence, b"x")))) as link:
-        with pytest.raises(LinkError, match="the echo of PING is another one"):
-            link.ping(b"y")
+    link = Link(Answering(lambda f: encode(Frame(Type.PONG, f.sequence, b"x"))))
+    with pytest.raises(LinkError, match="the echo of PING is another one"):
+        link.ping(b"y")
 
 
 @needs_simulator
@@ -240,10 +241,10 @@ def noisy_requests(count: int, harm: Callable[[bytes], bytes], seed: int) -> Lin
 
 
 @needs_simulator
-def test_one_percent_of_all_bytes_lost() -> None:
-    link = noisy_requests(500, losing(0.01, 1), 2)
-    assert link.statistics.retries > 50
-    assert link.statistics.answered > 500
+def test_one_percent_of_all_bytes_lost(requests_count: int) -> None:
+    link = noisy_requests(requests_count, losing(0.01, 1), 2)
+    assert link.statistics.retries > requests_count / 10
+    assert link.statistics.answered > requests_count * 0.98
 
 
 @needs_simulator
