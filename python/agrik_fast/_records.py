@@ -95,8 +95,6 @@ def take(record: Record, key: Any) -> Record:
         raise TypeError("the answer to a single target has no rows")
     # Places say what a key picks, whatever it is made of.
     places = np.arange(np.prod(shape, dtype=int)).reshape(shape)[key]
-    if np.ndim(places) > len(shape):
-        raise IndexError(f"a key that makes {np.ndim(places)} dimensions of {len(shape)}")
     picked = {}
     for name, array in to_dict(record).items():
         flat = array.reshape(-1, *array.shape[len(shape) :])
