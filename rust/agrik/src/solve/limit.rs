@@ -91,7 +91,9 @@ pub(super) fn limits(plan: &Plan<'_>) -> PerJoint<Limit> {
             let started = !matches!(plan.request.starts(), Starts::Free);
             let stays = |v: &Limit| started && v.winds && v.upper - v.lower > TURN;
             // Without one they stay within half a turn of the middle: no turns to take off.
-            let anywhere = !started && plan.setup().usual_start.is_none();
+            let setup = plan.setup();
+            let moves_freely = !started && setup.usual_start.is_none();
+            let anywhere = moves_freely && !setup.settings.step.is_feedback();
             let limits = plan.request.chain().variables().iter().map(Limit::of);
             let limits = limits.map(|v| Limit { turns: v.turns && !stays(&v), ..v });
             limits.map(|v| if anywhere { v.about_middle() } else { v }).collect()
