@@ -4,9 +4,11 @@ use smallvec::{SmallVec, smallvec};
 
 use super::fk::forward_far;
 use super::{Frame, PerJoint, Workspace, columns, forward};
-use crate::chain::{Chain, JointKind, Tail, UNLIMITED, Variable};
+use crate::chain::{Chain, JointKind, Tail, Variable};
 use crate::lanes::{Kernel, Level, Real, V3, WIDEST, dispatch, dispatch_single};
 
+/// Angles beyond this lose digits in sums, rad.
+const MANY: f64 = 100.0;
 /// Numbers of one pose.
 const POSE: usize = 16;
 
@@ -23,13 +25,13 @@ pub fn tool_poses(chain: &Chain, q: &[f64], out: &mut [f64]) {
 /// Hands over the rows in which a joint turns by more than rounded sums allow.
 fn far_rows(chain: &Chain, q: &[f64], mut write: impl FnMut(usize, &Workspace<f64>)) {
     // Not a number is not far; mostly nothing is.
-    if !q.iter().any(|x| x.abs() > UNLIMITED) {
+    if !q.iter().any(|x| x.abs() > MANY) {
         return;
     }
     let mut workspace = Workspace::new(chain.compiled());
     for (row, q) in q.chunks_exact(chain.dof()).enumerate() {
         let turns = |v: &Variable| v.kind != JointKind::Prismatic;
-        if chain.variables().iter().zip(q).any(|(v, x)| turns(v) && x.abs() > UNLIMITED) {
+        if chain.variables().iter().zip(q).any(|(v, x)| turns(v) && x.abs() > MANY) {
             forward_far(chain.compiled(), q, &mut workspace);
             write(row, &workspace);
         }

@@ -408,15 +408,16 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         for ((v, q), dq) in self.limits.iter().zip(&mut self.q).zip(&self.change) {
             let scale = if SLIDES && v.slides { scale * per_radian } else { scale };
             let mut to = dq.mul_add(scale, *q);
+            let (low, high) = (R::splat(v.ends.0), R::splat(v.ends.1));
             if v.turns {
                 // Past one end of a full turn lies the same posture at the other end.
                 let turn = R::splat(std::f64::consts::TAU);
-                to = R::select(to.lt(R::splat(v.ends.0)), to + turn, to);
-                to = R::select(R::splat(v.ends.1).lt(to), to - turn, to);
+                to = R::select(to.lt(low), to + turn, to);
+                to = R::select(high.lt(to), to - turn, to);
             }
             // A lane at a new start stays there whatever came of the attempt before, even where
             // that is no number.
-            to = R::select(mask, to.max(R::splat(v.lower)).min(R::splat(v.upper)), *q);
+            to = R::select(mask, to.max(low).min(high), *q);
             if SLIDES && v.slides {
                 slid = slid.max((to - *q).abs());
             } else {

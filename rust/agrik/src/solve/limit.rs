@@ -24,7 +24,8 @@ pub(super) struct Limit {
     pub upper: f64,
     /// The joint can take every angle, so that its limits hold nothing back.
     pub turns: bool,
-    /// Past these ends a joint that turns goes on at the other one.
+    /// What steps keep between: the limits, or of a joint that turns one turn inside them, past
+    /// whose ends it goes on at the other one.
     pub ends: (f64, f64),
     /// There may be several angles for a posture.
     pub winds: bool,
@@ -91,7 +92,9 @@ pub(super) fn limits(plan: &Plan<'_>) -> PerJoint<Limit> {
             let started = !matches!(plan.request.starts(), Starts::Free);
             let stays = |v: &Limit| started && v.winds && v.upper - v.lower > TURN;
             // Without one they stay within half a turn of the middle: no turns to take off.
-            let anywhere = !started && plan.setup().usual_start.is_none();
+            let setup = plan.setup();
+            let moves_freely = !started && setup.usual_start.is_none();
+            let anywhere = moves_freely && !setup.settings.step.is_feedback();
             let limits = plan.request.chain().variables().iter().map(Limit::of);
             let limits = limits.map(|v| Limit { turns: v.turns && !stays(&v), ..v });
             limits.map(|v| if anywhere { v.about_middle() } else { v }).collect()
@@ -100,7 +103,10 @@ pub(super) fn limits(plan: &Plan<'_>) -> PerJoint<Limit> {
             let variables = plan.request.chain().variables().iter().map(Limit::of);
             variables
                 .zip(bounds)
-                .map(|(v, &(lower, upper))| Limit { lower, upper, turns: false, winds: false, ..v })
+                .map(|(v, &(lower, upper))| {
+                    let ends = (lower, upper);
+                    Limit { lower, upper, ends, turns: false, winds: false, ..v }
+                })
                 .collect()
         }
     }

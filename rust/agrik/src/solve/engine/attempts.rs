@@ -147,7 +147,12 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         }
         let job = &mut self.jobs[lane];
         let mut best = job.best.unwrap_or_else(|| {
-            job.best_q.iter_mut().zip(self.variables).for_each(|(x, v)| *x = v.near_zero());
+            let given = self.plan.start(job.row);
+            for (i, (x, v)) in job.best_q.iter_mut().zip(self.variables).enumerate() {
+                let (limit, near) = (&self.limits[i], v.near_zero());
+                let about = given.map_or(limit.middle, |start| limit.reference(start[i]));
+                *x = if limit.turns || limit.winds { limit.wound(near, about) } else { near };
+            }
             let request = &self.plan.request;
             let mut at = Workspace::new(request.chain().compiled());
             forward(request.chain().compiled(), &job.best_q, &mut at);

@@ -111,7 +111,7 @@ impl<R: Real> Block<R> {
             }
             Self::Box(shares) => {
                 for (share, x) in shares.iter().zip(column) {
-                    *x = *x * *share;
+                    *x *= *share;
                 }
             }
         }
