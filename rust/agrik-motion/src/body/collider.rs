@@ -5,7 +5,7 @@ use std::sync::Arc;
 use agrik_compute::Allowed;
 use agrik_compute::lanes::{dot, sub};
 use agrik_solids::{
-    Core, Cover, Cuboid, Exemption, Nearest, Point, Scene, Solid, closest, distance, within,
+    Core, Cover, Cuboid, Exemption, Nearest, Point, Scene, Solid, closest, distance_within, within,
 };
 
 use super::bodies::Bodies;
@@ -183,11 +183,8 @@ impl Collider {
     /// Distance of the nearest pair of bodies, and `cap` where that is less, m.
     pub fn own_clearance(&self, placed: &Placed, cap: f64) -> f64 {
         self.pairs.iter().fold(cap, |least, &(i, j)| {
-            if !spheres_within(placed, (i, j), least) {
-                return least;
-            }
             let solids = placed.solids();
-            distance(&solids[i], &solids[j]).min(least)
+            distance_within(&solids[i], &solids[j], least).min(least)
         })
     }
 
@@ -214,11 +211,9 @@ impl Collider {
         let solids = placed.solids();
         for &(i, j) in self.bodies.self_pairs() {
             let least = best.map_or(cap, |(least, _)| least);
-            if spheres_within(placed, (i, j), least) {
-                let found = distance(&solids[i], &solids[j]);
-                if found < least || best.is_none() && found <= least {
-                    best = Some((found, (i, j)));
-                }
+            let found = distance_within(&solids[i], &solids[j], least);
+            if found < least || best.is_none() && found <= least && found < f64::INFINITY {
+                best = Some((found, (i, j)));
             }
         }
         best.map(|(distance, (i, j))| {
@@ -284,17 +279,12 @@ impl Collider {
     }
 }
 
-/// True where spheres round two bodies are `cap` (m) or less apart, or may be by rounding.
-fn spheres_within(placed: &Placed, (i, j): (usize, usize), cap: f64) -> bool {
-    let ((p, r), (q, s)) = (placed.sphere(i), placed.sphere(j));
-    let way = sub(p, q);
-    let reach = (r + s + cap) * (1.0 + 1e-12);
-    dot(way, way) <= reach * reach || cap == f64::INFINITY
-}
-
 /// True where two bodies are `reach` (m) or less apart.
 fn pair_within(placed: &Placed, (i, j): (usize, usize), reach: f64) -> bool {
-    spheres_within(placed, (i, j), reach) && within(&placed.solids()[i], &placed.solids()[j], reach)
+    let ((p, r), (q, s)) = (placed.sphere(i), placed.sphere(j));
+    let way = sub(p, q);
+    let near = (r + s + reach) * (1.0 + 1e-12);
+    dot(way, way) <= near * near && within(&placed.solids()[i], &placed.solids()[j], reach)
 }
 
 /// For each body the objects that it does not mind.

@@ -10,7 +10,7 @@ pub use exempt::Exempt;
 
 use agrik_compute::lanes::{Kernel32, Level, Real32, dispatch_eights};
 
-use crate::distance::{Rough, distance, point_to_core};
+use crate::distance::{distance_within, point_to_core};
 use crate::probe::{CuboidProbe, PointProbe, Probe, SegmentProbe};
 use crate::shapes::{Core, Solid};
 use crate::sphere_tree::{ALL_LABELS, Leaves, SphereTree};
@@ -210,16 +210,6 @@ impl<'a> Asked<'a> {
             Place::Solid(index) => distance_within(self.solid, &self.phase.solids[index].0, cap),
         };
         (distance <= cap).then_some(Found { distance, label, place })
-    }
-}
-
-/// The distance of two solids, or infinity where it is plain that it is above `cap`.
-fn distance_within(a: &Solid, b: &Solid, cap: f64) -> f64 {
-    let radii = a.radius() + b.radius();
-    match Rough::of(a.core(), b.core(), cap + radii) {
-        Rough::Farther => f64::INFINITY,
-        Rough::Meeting => -radii,
-        Rough::Near => distance(a, b),
     }
 }
 

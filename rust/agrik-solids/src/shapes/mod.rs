@@ -65,6 +65,7 @@ impl Core {
 
     /// Centre and radius of a sphere round the core, m; the radius of a half-space is
     /// infinite.
+    #[inline]
     pub fn bounding_sphere(&self) -> (Point, f64) {
         match self {
             Self::Point(p) => (*p, 0.0),
@@ -146,6 +147,7 @@ impl Solid {
     }
 
     /// Centre and radius of a sphere round the solid, m.
+    #[inline]
     pub fn bounding_sphere(&self) -> (Point, f64) {
         let (centre, radius) = self.core.bounding_sphere();
         (centre, radius + self.radius)

@@ -1,6 +1,8 @@
 //! Poses and Jacobians of many configurations, several in step.
 
-use super::{Frame, Workspace, columns, forward};
+use smallvec::{SmallVec, smallvec};
+
+use super::{Frame, PerJoint, Workspace, columns, forward};
 use crate::chain::{Chain, Tail};
 use crate::lanes::{Kernel, Level, Real, V3, WIDEST, dispatch, dispatch_single};
 
@@ -84,8 +86,9 @@ impl Kernel for Frames<'_> {
         let compiled = self.chain.compiled();
         let dof = compiled.dof;
         let size = FRAME * compiled.links.len();
-        let mut q = vec![R::zero(); dof];
-        let mut frames = vec![R::zero(); size];
+        // On the stack for most arms, as a lone posture is what solvers ask about.
+        let mut q: PerJoint<R> = smallvec![R::zero(); dof];
+        let mut frames: SmallVec<[R; 8 * FRAME]> = smallvec![R::zero(); size];
         let groups = self.q.chunks(dof * R::WIDTH).zip(self.out.chunks_mut(size * R::WIDTH));
         for (from, to) in groups {
             let rows = from.len() / dof;
