@@ -252,9 +252,7 @@ def test_json_that_is_not_what_it_seems(tmp_path: Path) -> None:
     ]
 
 
-def test_the_example_scenes_are_what_their_script_makes(
-    repo_root: Path, tmp_path: Path
-) -> None:
+def test_the_example_scenes_are_what_their_script_makes(repo_root: Path, tmp_path: Path) -> None:
     folder = repo_root / "examples" / "scenes"
     script = runpy.run_path(str(repo_root / "examples" / "make_scenes.py"))
     script["main"](tmp_path)
