@@ -40,7 +40,7 @@ format: $(VENV)/.dev ## let rustfmt and ruff write the files the way `make lint`
 	$(PY) -m ruff format .
 
 bench: build $(VENV)/.dev ## criterion benches of the core, then this library beside its peers
-	cargo bench $(LOCKED) -p agrik -p agrik-solids
+	cargo bench $(LOCKED) -p agrik -p agrik-solids -p agrik-motion
 	$(PY) benches/peers.py
 	$(PY) benches/closed_forms.py
 
@@ -117,7 +117,7 @@ rust-test: $(VENV)/.pip
 	if cargo nextest --version >/dev/null 2>&1; \
 	then cargo nextest run $(LOCKED) --workspace --exclude agrik-py; \
 	else cargo test $(LOCKED) --workspace --exclude agrik-py --tests; fi
-	cargo test $(LOCKED) --doc -p agrik-compute -p agrik -p agrik-solids
+	cargo test $(LOCKED) --doc -p agrik-compute -p agrik -p agrik-solids -p agrik-motion
 
 python-lint: build $(VENV)/.dev
 	$(PY) -m ruff check .

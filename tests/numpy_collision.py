@@ -18,7 +18,7 @@ import numpy_fk
 from numpy_fk import Matrix, si
 
 # Parts of an interval that are left after each look are two of three.
-_LOOKS = 90
+_LOOKS = 60
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,7 @@ def test_every_body_is_as_far_away_as_the_reference_says(name: str, load_robot: 
 @pytest.mark.parametrize("name", ["cucumber", "panda", "ur5", "redundant7"])
 def test_a_second_program_finds_the_same_distances(name: str, load_robot: LoadRobot) -> None:
     arm = load_robot(name)
-    q = arm.random_q(12, seed=11)
+    q = arm.random_q(6 if name == "cucumber" else 12, seed=11)
     where = "greenhouse2" if name == "cucumber" else "bench"
     scene = spec_scenes.scenes("cucumber" if name == "cucumber" else "panda")[where]
     asked = arm.self_pairs.asked
@@ -160,7 +160,7 @@ def test_an_empty_scene_is_infinitely_far_away(load_robot: LoadRobot) -> None:
 
 def test_a_scene_ten_kilometres_away(load_robot: LoadRobot) -> None:
     arm = load_robot("panda")
-    q = arm.random_q(100, seed=1)
+    q = arm.random_q(20, seed=1)
     away = np.eye(4)
     away[:3, 3] = 6_000.0, -8_000.0, 0.0
     near = spec_scenes.scenes("panda")["greenhouse5"]
@@ -181,7 +181,7 @@ def test_a_million_points(load_robot: LoadRobot) -> None:
     points = random.uniform(-1.5, 1.5, (1_000_000, 3))
     radii = random.uniform(0.0, 0.004, len(points))
     scene = Scene([SceneObject.cloud("cloud", points, radii)])
-    q = arm.random_q(3, seed=3)
+    q = arm.random_q(2, seed=3)
     found = scene.distances(arm, q)
     solids = numpy_collision.solids_of_arm("panda", q)
     for k, (name, (frame, solid)) in enumerate(solids.items()):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+import runpy
 from pathlib import Path
 from typing import Any
 
@@ -249,6 +250,20 @@ def test_json_that_is_not_what_it_seems(tmp_path: Path) -> None:
         "objects row 1 ('a'), spheres row 2",
         "objects row 1 ('a'), spheres row 1",
     ]
+
+
+def test_the_example_scenes_are_what_their_script_makes(repo_root: Path, tmp_path: Path) -> None:
+    folder = repo_root / "examples" / "scenes"
+    script = runpy.run_path(str(repo_root / "examples" / "make_scenes.py"))
+    script["main"](tmp_path)
+    made = sorted(tmp_path.iterdir())
+    assert [path.name for path in made] == ["crop.csv", "greenhouse.json"]
+    for path in made:
+        assert path.read_bytes() == (folder / path.name).read_bytes()
+    sizes = {path.name: len(Scene.load(path)) for path in folder.glob("*.toml")}
+    assert sizes == {"bench.toml": 6, "crop.toml": 4}
+    greenhouse_file = Scene.load(folder / "greenhouse.json")
+    assert_same(greenhouse_file, greenhouse(1, clear_band=(0.65, 1.3)))
 
 
 # ---- objects and scenes made in Python ------------------------------------------------------

@@ -192,6 +192,16 @@ def test_a_mesh_becomes_its_hull(tmp_path: Path, wedge: trimesh.Trimesh, suffix:
     assert body.overestimate == pytest.approx(0.09, rel=0.02)
 
 
+def test_the_unit_of_a_collada_file_counts(tmp_path: Path) -> None:
+    trimesh.creation.box((200.0, 400.0, 600.0)).export(tmp_path / "box.dae")
+    text = (tmp_path / "box.dae").read_text()
+    unit = '<unit name="millimetre" meter="0.001"/><up_axis>'
+    (tmp_path / "box.dae").write_text(text.replace("<up_axis>", unit))
+    (body,) = arm_beside(tmp_path, solid('<mesh filename="box.dae"/>')).bodies
+    assert isinstance(body.shape, Convex)
+    np.testing.assert_allclose(np.ptp(body.shape.vertices, axis=0), [0.2, 0.4, 0.6], rtol=1e-6)
+
+
 def test_a_convex_mesh_is_met_exactly(tmp_path: Path) -> None:
     box = trimesh.creation.box((0.2, 0.4, 0.6))
     box.export(tmp_path / "box.stl")

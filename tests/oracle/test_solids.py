@@ -130,7 +130,6 @@ def test_half_spaces_are_as_far_away_as_coal_says(kind: str) -> None:
 def test_arms_in_scenes_are_as_far_away_as_coal_says(name: str) -> None:
     """All bodies of an arm and all solids of a made-up greenhouse, the least of all pairs."""
     import numpy_fk
-
     from agrik_fast.collision import greenhouse
 
     arm, scene = ik.Robot.load(name), greenhouse(2, 3, 6, machine=False)

@@ -17,8 +17,8 @@ MOST_CORNERS = 64
 _FIRST, _AT_ONCE = 32, 8
 # Rounding of the points and of SciPy's hull, by the size of the whole.
 _ROUNDING = 1e-9
-_SURFACE_POINTS = 30_000
-_HULL_POINTS = 2_000
+_SURFACE_POINTS = 8_000
+_HULL_POINTS = 1_000
 _NEAR = 8
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -79,7 +79,7 @@ class MeshPlaces:
 
 
 def triangles_of(link: str, file: Path) -> list[FloatArray]:
-    """Return the triangles of each mesh in a file, shape (m, 3, 3), in the file's unit.
+    """Return the triangles of each mesh in a file, shape (m, 3, 3), m before a URDF's scale.
 
     Raises
     ------
@@ -100,7 +100,11 @@ def triangles_of(link: str, file: Path) -> list[FloatArray]:
     if file.stat().st_size > _MESH_BYTES:
         raise refuse(f"is longer than {_MESH_BYTES} bytes")
     try:
-        found: Sequence[Any] = trimesh.load_scene(file, process=False).dump()
+        meshes = [
+            np.asarray(one.triangles, dtype=np.float64) * _metres(trimesh, one)
+            for one in trimesh.load_scene(file, process=False).dump()
+            if hasattr(one, "triangles") and len(one.triangles)
+        ]
     except OSError as error:
         reason = os_reason(error) if error.errno is not None else brief(error)
         raise refuse(f"cannot be read: {reason}") from error
@@ -108,8 +112,6 @@ def triangles_of(link: str, file: Path) -> list[FloatArray]:
         raise
     except Exception as error:  # whatever the readers of a dozen formats raise
         raise refuse(f"cannot be read: {brief(error)}") from error
-    meshes = [np.asarray(one.triangles, dtype=np.float64) for one in found
-              if hasattr(one, "triangles") and len(one.triangles)]  # fmt: skip
     if not meshes:
         raise refuse("cannot be read: it holds no triangles, or ends early")
     if sum(map(len, meshes)) > _TRIANGLES:
@@ -117,3 +119,8 @@ def triangles_of(link: str, file: Path) -> list[FloatArray]:
     if not all(np.isfinite(one).all() for one in meshes):
         raise refuse("holds corners that are not finite")
     return meshes
+
+
+def _metres(trimesh: Any, mesh: Any) -> float:
+    """Return the unit of a mesh, m; of formats that have none, 1: a URDF's scale is for those."""
+    return 1.0 if mesh.units is None else float(trimesh.units.unit_conversion(mesh.units, "meters"))

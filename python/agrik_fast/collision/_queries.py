@@ -315,10 +315,10 @@ class Queries:
         if known is not None:
             return known[1]
         made = self._collider(arm, bodies)
-        while len(self._colliders) >= _REMEMBERED:
-            self._colliders.pop(next(iter(self._colliders)), None)
-        # The bodies are kept, so that no others get their number.
-        self._colliders[id(bodies)] = (bodies, made)
+        # The bodies are kept, so that no others get their number. A new table in place of the
+        # old one: another thread may be looking something up.
+        last = list(self._colliders.items())[1 - _REMEMBERED :]
+        self._colliders = {**dict(last), id(bodies): (bodies, made)}
         return made
 
     def _collider(self, arm: Robot, bodies: _native.Bodies) -> _native.Collider:
@@ -359,10 +359,10 @@ def _rows(objects: Sequence[SceneObject]) -> dict[str, Any]:
         ("boxes", "box_labels"),
         ("halfspaces", "halfspace_labels"),
     ):
-        rows = [getattr(one, key) for one in objects]
-        if any(map(len, rows)):
-            found[key] = np.concatenate(rows)
-            found[label] = np.repeat(np.arange(len(rows)), [len(one) for one in rows])
+        rows = [(k, own) for k, one in enumerate(objects) if len(own := getattr(one, key))]
+        if rows:
+            found[key] = rows[0][1] if len(rows) == 1 else np.concatenate([own for _, own in rows])
+            found[label] = np.repeat([k for k, _ in rows], [len(own) for _, own in rows])
     hulls = [(k, hull) for k, one in enumerate(objects) for hull in one.hulls]
     if hulls:
         found["hulls"] = [points for _, (points, _) in hulls]

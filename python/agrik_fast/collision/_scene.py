@@ -190,7 +190,11 @@ class Scene(Queries):
         ArgumentError
             A name is there already.
         """
-        return self._changed(objects=(*self.objects, *objects))
+        content = self._content
+        together = checked_content(
+            (*self.objects, *objects), content.targets, content.exemptions, content.touch_radius
+        )
+        return _rebuilt(replace(together, target=content.target))
 
     def moved(self, pose: ArrayLike) -> Scene:
         """Return the scene of a frame that lies at `pose` in another, given in that other.
@@ -276,13 +280,11 @@ class Scene(Queries):
 
 
 def _rebuilt(content: Content) -> Scene:
-    scene = Scene(
-        content.objects,
-        targets=content.targets,
-        exemptions=content.exemptions,
-        touch_radius=content.touch_radius,
-    )
+    """Return the scene of a content that has been checked."""
+    scene = Scene.__new__(Scene)
     scene._content = content
+    scene._made = None
+    scene._colliders = {}
     return scene
 
 

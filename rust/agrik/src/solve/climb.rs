@@ -49,7 +49,7 @@ impl<'a, C> Climb<'a, C> {
         let chain = plan.request.chain();
         let Some(goal) = plan.request.goal(rows.first + i) else { return };
         let copy = plan.request.copies(rows.first + i, 1);
-        let size = plan.setup().rotation_scale;
+        let size = chain.reach().size;
         let mut q = rows.q(i).to_vec();
         let mut rates = vec![0.0; q.len()];
         let mut margin = accept.slope(&q, &mut rates);
