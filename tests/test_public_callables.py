@@ -34,6 +34,15 @@ from agrik_fast.collision import (
     Sphere,
     Target,
 )
+from agrik_fast.drivers import (
+    Link,
+    SerialTransport,
+    Simulator,
+    StrawberryRig,
+    TomatoRig,
+    Transport,
+)
+from agrik_fast.drivers._messages import Type
 from agrik_fast.errors import AgrikError
 from agrik_fast.tuning import Tuning
 
@@ -44,15 +53,15 @@ ELSEWHERE = ("agrik_fast.cli", "agrik_fast.io", "agrik_fast.jobs", "agrik_fast.p
 RECORDS = (BaseException, tuple, int, pydantic.BaseModel)
 # Records that the library makes and nobody else.
 ANSWERS = {
-    "Branches", "Command", "DhRow", "Distances", "ExcludedPair", "IkResult", "PacedResult", "Path",
-    "Report", "SelfPairs", "Straightened", "StrawberryResult", "TomatoBranches", "TomatoResult",
-    "Torques",
+    "Arrival", "Branches", "Command", "DhRow", "Distances", "ExcludedPair", "IkResult",
+    "LinkStatistics", "PacedResult", "Path", "Report", "RigStatus", "Run", "SelfPairs",
+    "Straightened", "StrawberryResult", "TomatoBranches", "TomatoResult", "Torques",
 }  # fmt: skip
 # Objects and files, for which nothing but their own kind makes sense: what is none at all is the
 # type checker's business, as it is for `Robot(definition)`, which users do not call.
 OBJECTS = {
-    "checkpoint", "chunks", "content", "definition", "gain", "kind", "path", "report", "resume",
-    "robot", "source", "store", "tuning",
+    "checkpoint", "chunks", "content", "definition", "gain", "kind", "log", "path", "report",
+    "resume", "robot", "source", "store", "tuning",
 }  # fmt: skip
 # Texts and paths: what is neither is a TypeError in Python's own words.
 TEXTS = {"base_link", "name", "name_or_path", "path_or_text", "tip_link"}
@@ -83,6 +92,14 @@ def receivers() -> dict[type, Any]:
         Cover: Cover((0, 0, 0), (1, 1, 1)),
         Convex: Convex(((0, 0, 0),)),
         HalfSpace: HalfSpace((0, 0, 1), 0),
+        # Not connected: rigs on simulators have tests of their own.
+        StrawberryRig: StrawberryRig("loop://"),
+        TomatoRig: TomatoRig("loop://"),
+        Link: Link("loop://", timeout=0.001, tries=1),
+        # Walked by their constructors alone, as they are lines that something else uses.
+        SerialTransport: None,
+        Simulator: None,
+        Transport: None,
     }
 
 
@@ -122,6 +139,8 @@ ARGUMENTS: dict[str, Any] = {
     "count": 3,
     "current": np.zeros(3),
     "frame": "base",
+    "h_extra": 0.03,
+    "here": StrawberryArm().reset_pose,
     "gain": ik.solvers.StaticGain(K=np.ones((7, 3))),
     "kind": ik.solvers.StaticGain,
     "max_joint_step": 0.1,
@@ -133,6 +152,8 @@ ARGUMENTS: dict[str, Any] = {
     "torque": 1.0,
     "name_or_path": "ur5",
     "path_or_text": '<robot name="r"/>',
+    "open": True,
+    "port": "loop://",
     "pose": POSES[0],
     "poses": POSES,
     "position": np.zeros(3),
@@ -149,6 +170,7 @@ ARGUMENTS: dict[str, Any] = {
     "tool": np.eye(4),
     "base": np.eye(4),
     "tuning": Tuning(goals=10, evaluations=4, runs=1, refinement=0),
+    "url": "loop://",
     "weights": (1, 1, 1, 0, 0, 0),
     "values": {},
     "xyz": np.zeros(3),
@@ -156,6 +178,10 @@ ARGUMENTS: dict[str, Any] = {
 # Those of one callable alone.
 EXACTLY: dict[str, Any] = {
     "StateSpace.A": np.zeros((3, 3)),
+    "Link.command.kind": Type.STOP,
+    "Link.request.kind": Type.PING,
+    "StrawberryRig.check_ways.q": StrawberryArm().reset_pose,
+    "StrawberryRig.way_back.q": StrawberryArm().reset_pose,
     "Tuning.solver": "state-space",
     "usual.solver": "state-space",
     "tune.robot": ik.Robot.load("hydrolek"),
@@ -215,7 +241,7 @@ def methods(kind: type) -> Iterator[tuple[str, Callable[..., Any]]]:
             continue
         if isinstance(raw, (classmethod, staticmethod)):
             yield f"{kind.__qualname__}.{name}", getattr(kind, name)
-        elif kind in receivers() and callable(raw):
+        elif receivers().get(kind) is not None and callable(raw):
             yield f"{kind.__qualname__}.{name}", getattr(receivers()[kind], name)
 
 
@@ -260,9 +286,9 @@ def taken(call: Callable[..., Any]) -> dict[str, inspect.Parameter]:
 
 
 def example(name: str, argument: str) -> Any:
-    key = f"{name.rpartition('.')[2]}.{argument}"
-    if key in EXACTLY:
-        return EXACTLY[key]
+    for key in (f"{name}.{argument}", f"{name.rpartition('.')[2]}.{argument}"):
+        if key in EXACTLY:
+            return EXACTLY[key]
     assert argument in ARGUMENTS or argument in OBJECTS, (
         f"{name}({argument}=...): an example is wanted in `ARGUMENTS`"
     )
