@@ -128,7 +128,9 @@ def check_number_columns(schema: Any, names: tuple[str, ...], refuse: Refusal) -
             raise refuse(f"column '{name}' holds {kind}, expected numbers")
 
 
-def number_columns(first: int, batch: Any, names: tuple[str, ...], refuse: Refusal) -> NDArray[np.float64]:
+def number_columns(
+    first: int, batch: Any, names: tuple[str, ...], refuse: Refusal
+) -> NDArray[np.float64]:
     """Return columns of a record batch as float64, shape (n, len(names)); nulls are NaN.
 
     Parameters

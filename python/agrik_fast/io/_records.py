@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..result import Status
+from ..result import IkResult, Status
 
 STATUS_NAMES = tuple(status.name.lower() for status in Status)
 """Names of the statuses in files, in the order of their codes."""
@@ -103,6 +103,20 @@ class ResultChunk:
     orientation_error: NDArray[np.float64]
     iterations: NDArray[np.integer[Any]]
     restarts: NDArray[np.integer[Any]]
+
+    @classmethod
+    def of(cls, result: IkResult, ids: NDArray[Any]) -> ResultChunk:
+        """Return what the solver found for rows of these ids."""
+        return cls(
+            ids=ids,
+            q=result.q,
+            status=result.status,
+            success=result.success,
+            position_error=result.position_error,
+            orientation_error=result.orientation_error,
+            iterations=result.iterations,
+            restarts=result.restarts,
+        )
 
     def __len__(self) -> int:
         return len(self.status)

@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._native import __version__
-from ..errors import ArgumentError, UnknownNameError
+from ..errors import ArgumentError
 from ..io import (
     ResultChunk,
     ResultFileError,
     ResultLayout,
-    TargetReader,
     check_result_path,
     open_results,
     read_targets,
@@ -27,13 +26,12 @@ from ..tasks import Axis
 from ._pipeline import Pipeline, Solve
 from ._progress import Progress, Silent
 from ._summary import Summary
+from ._task import Vector, choose_task, task_words
 
 # Rows that are written in one go, fewer where ids are long; a Parquet file gets a row group
 # of them.
 WRITE_ROWS = 65_536
 WRITE_ID_BYTES = 32 << 20
-Vector = tuple[float, float, float]
-TASKS = ("position", "pose", "axis")
 
 
 @dataclass(frozen=True)
@@ -80,28 +78,6 @@ class SolveRequest:
     force: bool = False
 
 
-def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str | Axis]:
-    """Return the task's name and what `Robot.ik` gets for it.
-
-    Raises
-    ------
-    ArgumentError
-        For an unknown task, or one that needs orientations the targets do not have.
-    """
-    name = request.task or ("pose" if reader.is_pose else "position")
-    if name not in TASKS:
-        raise UnknownNameError("task", name, TASKS)
-    if name == "pose" and not reader.is_pose:
-        raise ArgumentError("task", "targets without orientation", "orientations for a pose task")
-    if name != "axis":
-        if request.direction is not None:
-            raise ArgumentError("direction", f"task '{name}'", "task 'axis'")
-        return name, name
-    if request.direction is None and not reader.is_pose:
-        raise ArgumentError("direction", "nothing", "one, as the targets are points")
-    return name, Axis(tool_axis=request.tool_axis, direction=request.direction)
-
-
 def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summary:
     """Solve every target of a file and write the results.
 
@@ -137,7 +113,7 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     reader = read_targets(request.targets)
     if request.output.exists() and request.output.samefile(request.targets):
         raise ResultFileError(request.output, "is the target file, expected another name")
-    task_name, task = choose_task(request, reader)
+    task_name, task = choose_task(request, is_pose=reader.is_pose)
     summary = Summary(robot.name, task_name, with_orientation=task_name != "position")
     layout = ResultLayout(
         ResultLayout.joint_names(robot.joint_names, robot.joint_types),
@@ -185,25 +161,14 @@ def _solver(robot: Robot, task: str | Axis, request: SolveRequest) -> Solve:
 
 
 def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
-    values = {
+    return {
         "version": __version__,
         "robot": robot.name,
         "targets": request.targets.name,
         "task": task,
         "solver": request.solver,
-        "position_tolerance_m": repr(request.position_tolerance),
-        "orientation_tolerance_rad": repr(request.orientation_tolerance),
-        "seed": str(request.seed),
+        **task_words(request, task),
     }
-    if task == "axis":
-        values["tool_axis"] = _words(request.tool_axis)
-        where = request.direction
-        values["direction"] = "the targets' own" if where is None else _words(where)
-    return values
-
-
-def _words(vector: Vector) -> str:
-    return ",".join(map(repr, vector))
 
 
 def _id_bytes(pieces: list[ResultChunk]) -> int:
