@@ -7,7 +7,7 @@ from ._process import about_process, set_threads
 from ._progress import Progress, Silent
 from ._record import Record
 from ._solve_file import SolveRequest, solve_file
-from ._solve_job import ForwardJob, SolveJob
+from ._solve_job import ForwardJob, SolveJob, load_robot
 from ._sources import MANIFEST, PARTITION_ROWS, FileSource, Partition, Source
 from ._split import split_file
 from ._stores import Store, is_url, open_store
@@ -40,6 +40,7 @@ __all__ = [
     "difference",
     "finished",
     "is_url",
+    "load_robot",
     "open_store",
     "run_partition",
     "set_threads",

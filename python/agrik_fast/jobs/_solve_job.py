@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,6 +37,11 @@ _SEEDS = 2**64 - 1
 
 def _refuse(reason: str) -> JobError:
     return JobError("partition", reason)
+
+
+def load_robot(robot: Robot | str | PathLike[str]) -> Robot:
+    """Return a robot, loading it if a name or a path is given."""
+    return robot if isinstance(robot, Robot) else Robot.load(robot)
 
 
 @dataclass(frozen=True)
