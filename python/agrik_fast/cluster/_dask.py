@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import ipaddress
 import logging
+import queue
 import secrets
 import time
 import urllib.parse
@@ -174,6 +175,7 @@ class DaskRunner:
         self._address = str(client.scheduler.address if client.scheduler else "scheduler")
         self.group = -(-partitions // _MOST_TASKS)
         self._underway: dict[Any, Sequence[Partition]] = {}
+        self._done: queue.Queue[Any] = queue.Queue()
         self._looked = 0.0
         self.workers = 1
         self._run = secrets.token_hex(6)
@@ -203,23 +205,26 @@ class DaskRunner:
             pure=False,
         )
         self._underway[future] = partitions
+        future.add_done_callback(self._done.put)
 
     def wait(self, timeout_s: float) -> list[Ended]:
         """Return what ended."""
-        import distributed
-
-        if self._client.status != "running":
-            raise self._lost()
-        with contextlib.suppress(TimeoutError):
-            distributed.wait(list(self._underway), timeout=timeout_s, return_when="FIRST_COMPLETED")
         ended: list[Ended] = []
-        for future in [each for each in self._underway if each.status != "pending"]:
+        deadline = time.monotonic() + timeout_s
+        while True:
+            if self._client.status != "running":
+                raise self._lost()
+            left = 0.0 if ended else max(deadline - time.monotonic(), 0.0)
+            try:
+                future = self._done.get(timeout=left)
+            except queue.Empty:
+                return ended
             if future.status in ("cancelled", "lost"):
                 raise self._lost()
-            partitions = self._underway.pop(future)
-            ended += self._ended(future, partitions)
-            future.release()
-        return ended
+            partitions = self._underway.pop(future, None)
+            if partitions is not None:
+                ended += self._ended(future, partitions)
+                future.release()
 
     def _ended(self, future: Any, partitions: Sequence[Partition]) -> list[Ended]:
         if future.status == "error":
