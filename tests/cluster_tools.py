@@ -2,6 +2,7 @@
 
 import contextlib
 import hashlib
+import itertools
 import os
 import signal
 import subprocess
@@ -16,6 +17,7 @@ import pyarrow
 from pyarrow import parquet
 
 import agrik_fast as ik
+from cli_runner import run_command
 
 TESTS = Path(__file__).parent
 ROBOT = "redundant7"
@@ -47,7 +49,7 @@ rotation = true
 """
 
 
-def write_formula(path: Path, rows: int = 4_000, size: int = 500) -> Path:
+def write_formula(path: Path, rows: int = 1_800, size: int = 300) -> Path:
     path.write_text(FORMULA.format(rows=rows, size=size))
     return path
 
@@ -66,7 +68,7 @@ def write_parts(folder: Path, table: pyarrow.Table, pieces: int) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     ends = np.unique(np.linspace(0, table.num_rows, pieces + 1).astype(int) // 7 * 7)
     ends[-1] = table.num_rows
-    for k, (begin, end) in enumerate(zip(ends[:-1], ends[1:], strict=True)):
+    for k, (begin, end) in enumerate(itertools.pairwise(ends)):
         parquet.write_table(table.slice(begin, end - begin), folder / f"in-{k:03d}.parquet")
     return folder
 
@@ -115,7 +117,7 @@ class Processes:
             text=True,
             env=self.environment(**more),
             start_new_session=True,
-            preexec_fn=before,  # noqa: PLW1509
+            preexec_fn=before,
         )
         self._started.append(process)
         return process
@@ -125,10 +127,6 @@ class Processes:
     ) -> subprocess.Popen[str]:
         """Start `agrik-fast cluster`."""
         return self.start("-m", "agrik_fast.cli", "cluster", *words, set_up=set_up, **more)
-
-    def run(self, *words: object, code: int = 0) -> tuple[str, str]:
-        """Run `agrik-fast cluster` to its end and return what it printed."""
-        return ended(self.cluster(*words), code)
 
     def alive(self, tag: str | None = None) -> dict[int, str]:
         """Return all processes that were started here, or by those, and live."""
@@ -157,6 +155,14 @@ class Processes:
         for process in self._started:
             process.kill()
             process.communicate()
+
+
+def run_cluster(*words: object, code: int = 0) -> tuple[str, str]:
+    """Run `agrik-fast cluster` in this process and return what it printed."""
+    done = run_command("cluster", *words)
+    assert done.exit_code == code, (done.exit_code, done.stdout, done.stderr)
+    assert "Traceback" not in done.output
+    return done.stdout, done.stderr
 
 
 def ended(process: subprocess.Popen[str], code: int) -> tuple[str, str]:

@@ -3,6 +3,7 @@
 import json
 import os
 import resource
+import shutil
 import signal
 import sys
 import time
@@ -17,6 +18,7 @@ from cluster_tools import (
     ended,
     hashes,
     processes,
+    run_cluster,
     temporaries,
     wait_for,
     write_formula,
@@ -24,7 +26,7 @@ from cluster_tools import (
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes are found in /proc")
 
-PARTITIONS = 8
+PARTITIONS = 6
 
 
 @pytest.fixture
@@ -39,11 +41,16 @@ def formula(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def undisturbed(formula: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+def whole(formula: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the results of a run that nothing disturbs."""
     folder = tmp_path_factory.mktemp("undisturbed") / "out"
-    with processes() as started:
-        started.run(*job(formula, folder))
-    found = hashes(folder)
+    run_cluster(*job(formula, folder))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def undisturbed(whole: Path) -> dict[str, str]:
+    found = hashes(whole)
     assert len(found) == PARTITIONS + 1
     return found
 
@@ -80,10 +87,10 @@ def test_a_killed_worker_is_replaced(
     assert [e["event"] for e in events if e["event"] not in ("tick", "done")] == [
         "start", "retry", "end"
     ]  # fmt: skip
-    assert events[-1]["rows_done"] == 4_000
+    assert events[-1]["rows_done"] == 1_800
 
 
-@pytest.mark.parametrize("moment", range(3))
+@pytest.mark.parametrize("moment", [0, 2])
 def test_a_killed_driver_leaves_no_orphans_and_half_a_job(
     run: Processes, formula: Path, undisturbed: dict[str, str], tmp_path: Path, moment: int
 ) -> None:
@@ -96,16 +103,16 @@ def test_a_killed_driver_leaves_no_orphans_and_half_a_job(
     assert run.gone() == {}
     there = parts(folder)
     assert there < PARTITIONS and not (folder / "_manifest.json").exists()
-    out, _ = run.run("status", folder, code=4)
+    out, _ = run_cluster("status", folder, code=4)
     assert out.startswith(f"{there} of {PARTITIONS} partitions") and out.endswith("not complete\n")
-    out, _ = run.run(*job(formula, folder))
+    out, _ = run_cluster(*job(formula, folder))
     assert f"{PARTITIONS - there} done, {there} were there" in out
     assert hashes(folder) == undisturbed
     # What is left over is named so that nobody reads it, and goes when it is told to.
     left = len(temporaries(folder))
-    out, _ = run.run("clean", folder)
+    out, _ = run_cluster("clean", folder)
     assert "0 temporary files removed" in out
-    out, _ = run.run("clean", folder, "--older", 0)
+    out, _ = run_cluster("clean", folder, "--older", 0)
     assert f"{left} temporary file" in out and temporaries(folder) == []
     assert hashes(folder) == undisturbed
 
@@ -136,7 +143,7 @@ def test_ctrl_c_ends_within_a_second_and_says_how_to_go_on(
     assert last.startswith(f"agrik-fast: {word}, ")
     assert f"of {PARTITIONS} partitions are there; go on with: agrik-fast cluster solve" in last
     assert str(formula) in last
-    run.run(*job(formula, folder))
+    run_cluster(*job(formula, folder))
     assert hashes(folder) == undisturbed
 
 
@@ -154,10 +161,10 @@ def test_a_second_ctrl_c_ends_at_once(run: Processes, formula: Path, tmp_path: P
 
 
 def test_a_full_disk_is_a_list_of_failures(
-    run: Processes, formula: Path, undisturbed: dict[str, str], tmp_path: Path
+    run: Processes, formula: Path, whole: Path, undisturbed: dict[str, str], tmp_path: Path
 ) -> None:
     folder = tmp_path / "out"
-    size = min(path.stat().st_size for path in measured(run, formula, tmp_path))
+    size = min(path.stat().st_size for path in whole.glob("*.parquet"))
 
     def small() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (size // 2, size // 2))
@@ -168,18 +175,13 @@ def test_a_full_disk_is_a_list_of_failures(
     assert "cannot be written: file too large" in err
     assert temporaries(folder) == [] and hashes(folder) == {}
     failed = json.loads((folder / "_failed.json").read_text())
-    assert [each["first"] for each in failed] == [500 * k for k in range(PARTITIONS)]
+    assert [each["first"] for each in failed] == [300 * k for k in range(PARTITIONS)]
     assert {each["attempts"] for each in failed} == {2}
-    out, _ = run.run("status", folder, code=4)
+    out, _ = run_cluster("status", folder, code=4)
     assert out.count("failed: part-") == PARTITIONS
-    run.run(*job(formula, folder))
+    run_cluster(*job(formula, folder))
     assert hashes(folder) == undisturbed
     assert not (folder / "_failed.json").exists()
-
-
-def measured(run: Processes, formula: Path, tmp_path: Path) -> list[Path]:
-    run.run(*job(formula, tmp_path / "measured", "--shard", f"0/{PARTITIONS}"))
-    return list((tmp_path / "measured").glob("*.parquet"))
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root mounts file systems")
@@ -188,7 +190,7 @@ def test_a_small_file_system_fills_up(
 ) -> None:
     folder = tmp_path / "small"
     folder.mkdir()
-    if os.system(f"mount -t tmpfs -o size=200k none {folder}"):
+    if os.system(f"mount -t tmpfs -o size=80k none {folder}"):
         pytest.skip("this system mounts nothing")
     try:
         out, err = ended(run.cluster(*job(formula, folder / "out", "--retries", 0)), 4)
@@ -196,7 +198,7 @@ def test_a_small_file_system_fills_up(
         there = parts(folder / "out")
         assert f"{there} done" in out and 0 < there < PARTITIONS
         os.system(f"mount -o remount,size=10m {folder}")
-        out, _ = run.run(*job(formula, folder / "out"))
+        out, _ = run_cluster(*job(formula, folder / "out"))
         assert f"{there} were there" in out
         assert hashes(folder / "out") == undisturbed
     finally:
@@ -204,56 +206,56 @@ def test_a_small_file_system_fills_up(
 
 
 @pytest.fixture
-def finished(run: Processes, formula: Path, tmp_path: Path) -> Path:
-    run.run(*job(formula, tmp_path / "out"))
-    return tmp_path / "out"
+def finished(whole: Path, tmp_path: Path) -> Path:
+    """Return a copy of results that are all there."""
+    return Path(shutil.copytree(whole, tmp_path / "out"))
 
 
 def test_truncated_and_missing_results_are_made_anew(
-    run: Processes, formula: Path, finished: Path, undisturbed: dict[str, str]
+    formula: Path, finished: Path, undisturbed: dict[str, str]
 ) -> None:
     files = sorted(finished.glob("*.parquet"))
     os.truncate(files[1], files[1].stat().st_size - 100)
     files[2].unlink()
     files[3].with_name(files[3].name + ".json").unlink()
     files[4].with_name(files[4].name + ".json").write_text("{")
-    out, _ = run.run("verify", finished, "--keep", code=4)
+    out, _ = run_cluster("verify", finished, "--keep", code=4)
     assert f"{files[1].name}: has" in out and f"{files[2].name}: is missing" in out
     assert f"{files[4].name}.json: the record is damaged" in out
-    out, _ = run.run(*job(formula, finished))
-    assert "4 done, 4 were there" in out
+    out, _ = run_cluster(*job(formula, finished))
+    assert "4 done, 2 were there" in out
     assert hashes(finished) == undisturbed
 
 
 def test_a_flipped_bit_is_found_and_mended(
-    run: Processes, formula: Path, finished: Path, undisturbed: dict[str, str]
+    formula: Path, finished: Path, undisturbed: dict[str, str]
 ) -> None:
-    out, _ = run.run("verify", finished)
+    out, _ = run_cluster("verify", finished)
     assert f"{PARTITIONS} parts" in out and "0 damaged" in out
     victim = sorted(finished.glob("*.parquet"))[5]
     data = bytearray(victim.read_bytes())
     data[len(data) // 2] ^= 1
     victim.write_bytes(data)
     # The size is the same: nothing but reading tells.
-    out, _ = run.run(*job(formula, finished))
+    out, _ = run_cluster(*job(formula, finished))
     assert f"{PARTITIONS} were there" in out
-    out, _ = run.run("verify", finished, code=4)
+    out, _ = run_cluster("verify", finished, code=4)
     assert f"{victim.name}: is not what was written" in out and "1 damaged" in out
     assert not (finished / "_manifest.json").exists()
-    out, _ = run.run(*job(formula, finished))
+    out, _ = run_cluster(*job(formula, finished))
     assert f"1 done, {PARTITIONS - 1} were there" in out
     assert hashes(finished) == undisturbed
-    run.run("verify", finished)
+    run_cluster("verify", finished)
 
 
 def test_a_changed_job_is_refused_then_done_as_if_alone(
-    run: Processes, formula: Path, finished: Path, undisturbed: dict[str, str], tmp_path: Path
+    formula: Path, finished: Path, undisturbed: dict[str, str], tmp_path: Path
 ) -> None:
-    _, err = run.run(*job(formula, finished, "--seed", 5), code=2)
+    _, err = run_cluster(*job(formula, finished, "--seed", 5), code=2)
     assert "holds results of another job: seed 0, not 5" in err
     assert hashes(finished) == undisturbed
-    run.run(*job(formula, tmp_path / "alone", "--seed", 5))
-    run.run(*job(formula, finished, "--seed", 5, "--force"))
+    run_cluster(*job(formula, tmp_path / "alone", "--seed", 5))
+    run_cluster(*job(formula, finished, "--seed", 5, "--force"))
     assert hashes(finished) == hashes(tmp_path / "alone") != undisturbed
 
 
@@ -264,5 +266,5 @@ def test_shards_make_the_same_folder(
     started = [run.cluster(*job(formula, folder, "--shard", f"{k}/3")) for k in range(3)]
     told = [ended(each, 0)[0] for each in started]
     assert hashes(folder) == undisturbed
-    assert sorted(out.split()[0] for out in told) == ["2", "3", "3"]
+    assert sorted(out.split()[0] for out in told) == ["2", "2", "2"]
     assert sum("other shards are not done yet" in out for out in told) <= 2
