@@ -7,6 +7,7 @@ import ipaddress
 import logging
 import queue
 import secrets
+import threading
 import time
 import urllib.parse
 from collections.abc import Sequence
@@ -33,6 +34,8 @@ from ._worker import reason_of
 _MOST_TASKS = 10_000
 # Tasks that are handed over for each thread: one at work, one to begin with at once.
 _AHEAD = 2
+# That Dask may need after its own time is over.
+_MORE_S = 1.0
 SCHEDULER_S = 10.0
 """Seconds that a scheduler has to answer."""
 
@@ -81,15 +84,32 @@ def connect(address: str, tls: Tls | None, *, insecure: bool, timeout_s: float) 
             require_encryption=True,
         )
     # A lost scheduler is told once, in our words.
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    for name in list(logging.root.manager.loggerDict):
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+    made: queue.Queue[Any] = queue.Queue()
+
+    def make() -> None:
+        try:
+            made.put(
+                distributed.Client(
+                    address, security=security, timeout=timeout_s, set_as_default=False
+                )
+            )
+        except Exception as error:
+            made.put(error)
+
+    # In a thread, for Dask waits forever for one that takes the call and says nothing.
+    threading.Thread(target=make, name="agrik-fast-connect", daemon=True).start()
+    reason = f"the scheduler does not answer within {timeout_s:g} s"
     try:
-        return distributed.Client(
-            address, security=security, timeout=timeout_s, set_as_default=False
-        )
-    except (OSError, TimeoutError, RuntimeError, ValueError) as error:
-        reason = f"the scheduler does not answer within {timeout_s:g} s"
-        detail = " ".join(str(error.__cause__ or error).split())
-        raise JobError(address, f"{reason} ({detail[:120]})" if detail else reason) from None
+        client = made.get(timeout=timeout_s + _MORE_S)
+    except queue.Empty:
+        raise JobError(address, reason) from None
+    if isinstance(client, Exception):
+        detail = " ".join(str(client.__cause__ or client).split())
+        raise JobError(address, f"{reason} ({detail[:120]})" if detail else reason)
+    return client
 
 
 def _check_address(address: str, tls: Tls | None, *, insecure: bool) -> None:
@@ -227,10 +247,15 @@ class DaskRunner:
                 future.release()
 
     def _ended(self, future: Any, partitions: Sequence[Partition]) -> list[Ended]:
-        if future.status == "error":
-            reason = reason_of(future.exception())
+        try:
+            failed = future.exception()
+            outcomes = [] if failed is not None else future.result()
+        except Exception:
+            # Tasks do not raise: it is the way to them that is cut.
+            raise self._lost() from None
+        if failed is not None:
+            reason = reason_of(failed)
             return [Ended(partition, reason) for partition in partitions]
-        outcomes = future.result()
         missing = ["not reached"] * (len(partitions) - len(outcomes))
         both = zip(partitions, [*outcomes, *missing], strict=True)
         return [Ended(partition, outcome) for partition, outcome in both]
