@@ -39,7 +39,8 @@ arm = ik.Robot.load(robot)
 names = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
 schema = pyarrow.schema([(name, pyarrow.float64()) for name in names])
 for part in range(parts):
-    with parquet.ParquetWriter(f"{folder}/part-{part:04d}.parquet", schema, use_dictionary=False) as w:
+    path = f"{folder}/part-{part:04d}.parquet"
+    with parquet.ParquetWriter(path, schema, use_dictionary=False) as w:
         left, step = rows // parts, 0
         while left:
             count = min(left, 65_536)
@@ -123,7 +124,9 @@ def main() -> int:
             print("same manifest, byte for byte" if a == b else "THE MANIFESTS DIFFER")
     print(f"\n{rows:,} rows, {options.solver}, {WORKERS} workers, {os.cpu_count()} cores, ", end="")
     print(f"load at the end {os.getloadavg()[0]:.1f}")
-    print("| runner | partitions | shortest s | run s | overhead | command s | overhead | peak MB |")
+    print(
+        "| runner | partitions | shortest s | run s | overhead | command s | overhead | peak MB |"
+    )
     print("|---|---:|---:|---:|---:|---:|---:|---:|")
     for name, row in found.items():
         print(

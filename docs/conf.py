@@ -42,6 +42,7 @@ html_sidebars = {
     "population": [],
     "paths": [],
     "closed-forms": [],
+    "cluster": [],
 }
 
 # The API pages are read from the sources and, for the compiled module, from its stub,

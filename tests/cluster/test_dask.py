@@ -261,7 +261,7 @@ def test_arrays_and_wrong_collections(client: Any) -> None:
         cluster.map_partitions(rows, ForwardJob(arm), columns=names[:3])
     with pytest.raises(ArgumentError, match="a list"):
         cluster.map_partitions([], ForwardJob(arm))
-    with pytest.raises(JobError, match="collection: missing column 'q1_rad'|missing column"):
+    with pytest.raises(JobError, match="collection: missing column '"):
         cluster.map_partitions(rows, ForwardJob(arm), columns=list("abcdef"))
     frame = dask.dataframe.from_dask_array(rows, columns=names)
     with pytest.raises(ArgumentError, match="`lengths`: expected 4, got 2 numbers"):

@@ -8,6 +8,7 @@ A program of its own, since it forks: a test's process has threads.
 import os
 import signal
 import sys
+from pathlib import Path
 
 from agrik_fast import Robot
 from agrik_fast.jobs import Assignment, FileSource, SolveJob, open_store, run_partition
@@ -34,7 +35,7 @@ def main(source_place: str, target: str) -> None:
             run_partition(assignment, partition, store, at_step)
             os._exit(0)
         _, status = os.waitpid(child, 0)
-        names = sorted(os.listdir(target))
+        names = sorted(path.name for path in Path(target).iterdir())
         there = [name for name in names if not name.startswith(".")]
         print(moment, os.waitstatus_to_exitcode(status), *there)
         if status == 0:

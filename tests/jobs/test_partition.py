@@ -223,7 +223,7 @@ def test_what_is_not_as_recorded_is_done_again(
 def test_a_changed_source_and_a_changed_job_are_done_again(
     done: tuple[Any, ...], arm: Robot
 ) -> None:
-    assignment, partition, store, path = done
+    assignment, partition, store, _ = done
     other = Assignment(SolveJob(arm, seed=1), assignment.columns)
     assert other.hash != assignment.hash
     assert not run_partition(other, partition, store).skipped
@@ -270,7 +270,7 @@ def test_a_disk_that_refuses_is_told_and_leaves_nothing(
 def test_other_instructions_than_the_jobs_are_refused(done: tuple[Any, ...]) -> None:
     assignment, partition, store, _ = done
     other = dataclasses.replace(assignment, simd="a512")
-    with pytest.raises(JobError, match="uses .*, the job a512; results would differ"):
+    with pytest.raises(JobError, match="the job a512; results would differ"):
         run_partition(other, partition, store)
     mixed = dataclasses.replace(assignment, simd="mixed")
     assert not run_partition(mixed, partition, store).skipped

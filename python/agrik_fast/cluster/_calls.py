@@ -155,8 +155,8 @@ def run(
                     f"its workers use {found}, not {simd}; start them with AGRIK_SIMD={simd}",
                 )
             assignment = Assignment(job, columns, found, threads)
-        check_description(store, assignment, rows, force=force)
         store.prepare()
+        check_description(store, assignment, rows, force=force)
         state = Run(assignment, rows, store, shard, retries, report)
         runner: Runner = LocalRunner(assignment, store, min(workers, len(state.numbers) or 1))
         if client is not None:
