@@ -259,9 +259,9 @@ def test_a_disk_that_refuses_is_told_and_leaves_nothing(
     def write(self: object, data: Any) -> int:
         raise OSError(28, "No space left on device")
 
-    from agrik_fast.jobs import _stores
+    from agrik_fast.jobs import _store
 
-    monkeypatch.setattr(_stores.HashingStream, "write", write)
+    monkeypatch.setattr(_store.HashingStream, "write", write)
     with pytest.raises(JobError, match="cannot be written: no space left on device"):
         run_partition(assignment, partition, store)
     assert sorted(p.name for p in path.parent.iterdir()) == ["in-000.parquet.json"]

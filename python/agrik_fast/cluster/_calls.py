@@ -232,7 +232,7 @@ def solve(
     ... ''')
     >>> end = solve(None, folder / "out", "redundant7", generate=folder / "grid.toml", workers=1)
     >>> end.complete, end.rows, end.counts
-    (True, 40, {'converged': 40})
+    (True, 40, {'converged': 26, 'out_of_reach': 14})
     """
     job = SolveJob(
         robot=load_robot(robot),

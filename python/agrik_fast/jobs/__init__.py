@@ -3,6 +3,7 @@
 from ._formula import FormulaSource
 from ._job import MIXED, Assignment, Done, Job, JobError, canonical, difference
 from ._partition import Cancelled, Outcome, finished, run_partition
+from ._places import is_url, open_store
 from ._process import about_process, set_threads
 from ._progress import Progress, Silent
 from ._record import Record
@@ -10,7 +11,7 @@ from ._solve_file import SolveRequest, solve_file
 from ._solve_job import ForwardJob, SolveJob, load_robot
 from ._sources import MANIFEST, PARTITION_ROWS, FileSource, Partition, Source
 from ._split import split_file
-from ._stores import Store, is_url, open_store
+from ._store import Store
 from ._summary import Summary
 
 __all__ = [

@@ -17,7 +17,7 @@ from typing import Any, BinaryIO, cast
 
 from .._files import Refusal, reading
 from ._job import JobError
-from ._stores import PART, HashingStream, PartFile, Store
+from ._store import PART, HashingStream, PartFile, Store
 
 _PARTS = "_parts/"
 _RECORDS = "_records/"

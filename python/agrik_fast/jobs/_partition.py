@@ -17,7 +17,7 @@ from ._job import MIXED, Assignment, JobError
 from ._process import peak_mb, versions
 from ._record import Record
 from ._sources import Partition
-from ._stores import PartFile, Store
+from ._store import PartFile, Store
 
 BATCH_ROWS = 65_536
 """Rows that are read, and written as a row group, at a time."""

@@ -17,7 +17,7 @@ from .._checks import whole_number
 from .._files import listing, os_reason, reading
 from ..io import check_parquet_sizes, open_parquet
 from ._job import Job, JobError
-from ._stores import is_url
+from ._places import is_url
 
 PARTITION_ROWS = 1_000_000
 """Rows of a partition, where the source leaves a choice."""
