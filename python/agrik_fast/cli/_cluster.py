@@ -16,7 +16,7 @@ import typer
 
 from .. import cluster
 from .._files import os_reason
-from ..cluster import Progress, Status, Summary, Tls
+from ..cluster import FolderStatus, Progress, Summary, Tls
 from ..errors import ArgumentError, UnknownNameError
 from ._exits import PARTITIONS_FAILED, Kept, say, write_line
 
@@ -251,7 +251,7 @@ def _counts(counts: Mapping[str, int]) -> str:
     return ", ".join(f"{count} {name}" for name, count in counts.items()) or "none"
 
 
-def status_lines(found: Status) -> list[str]:
+def status_lines(found: FolderStatus) -> list[str]:
     """Return how far a folder is, in words."""
     lines = [
         f"{found.done} of {found.partitions} partitions, {found.rows_done} of {found.rows} rows: "

@@ -8,14 +8,14 @@ and `futures` are for graphs of one's own in Dask.
 from ._calls import forward, run, solve
 from ._collections import futures, map_partitions
 from ._dask import LostError, Tls
-from ._folder import Status, Verified, clean, status, verify
+from ._folder import FolderStatus, Verified, clean, status, verify
 from ._run import Failure, Progress, Summary
 
 __all__ = [
     "Failure",
+    "FolderStatus",
     "LostError",
     "Progress",
-    "Status",
     "Summary",
     "Tls",
     "Verified",

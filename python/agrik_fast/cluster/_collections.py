@@ -13,9 +13,9 @@ from ..jobs import (
     MIXED,
     PARTITION_ROWS,
     Assignment,
+    Finished,
     Job,
     JobError,
-    Outcome,
     Partition,
     Source,
     Store,
@@ -167,7 +167,7 @@ def futures(
     Returns
     -------
     list of distributed.Future
-        In the order of the rows; the result of each is an `agrik_fast.jobs.Outcome`, with its
+        In the order of the rows; the result of each is an `agrik_fast.jobs.Finished`, with its
         record.
 
     Raises
@@ -187,6 +187,6 @@ def futures(
     ]
 
 
-def _one(assignment: Assignment, partition: Partition, store: Store) -> Outcome:
+def _one(assignment: Assignment, partition: Partition, store: Store) -> Finished:
     set_threads(assignment.threads)
     return run_partition(assignment, partition, store)

@@ -19,8 +19,8 @@ from ..errors import ArgumentError
 from ..jobs import (
     Assignment,
     Cancelled,
+    Finished,
     JobError,
-    Outcome,
     Partition,
     Store,
     about_process,
@@ -141,7 +141,7 @@ def _is_loopback(host: str) -> bool:
 
 def run_task(
     assignment: Assignment, partitions: Sequence[Partition], store: Store
-) -> list[Outcome | str]:
+) -> list[Finished | str]:
     """Work on partitions one after the other, in a worker; what fails is told, not raised."""
     set_threads(assignment.threads)
     wanted = _wanted()
@@ -150,7 +150,7 @@ def run_task(
         if not wanted():
             raise Cancelled
 
-    ended: list[Outcome | str] = []
+    ended: list[Finished | str] = []
     for partition in partitions:
         try:
             ended.append(run_partition(assignment, partition, store, at_step))

@@ -135,7 +135,7 @@ def _existing(place: str | PathLike[str], storage_options: dict[str, Any] | None
 
 
 @dataclass(frozen=True)
-class Status:
+class FolderStatus:
     """How far a folder of results is.
 
     Attributes
@@ -169,7 +169,9 @@ class Status:
     leftovers: int
 
 
-def status(place: str | PathLike[str], *, storage_options: dict[str, Any] | None = None) -> Status:
+def status(
+    place: str | PathLike[str], *, storage_options: dict[str, Any] | None = None
+) -> FolderStatus:
     """Return how far a folder of results is; it works while a job runs, and without a scheduler.
 
     Parameters
@@ -202,7 +204,7 @@ def status(place: str | PathLike[str], *, storage_options: dict[str, Any] | None
             failures += json.loads(store.read(name) or b"[]")
         except ValueError:
             raise store.refuse(name)("is damaged") from None
-    return Status(
+    return FolderStatus(
         place=store.place,
         partitions=int(source.get("partitions", done)),
         rows=int(source.get("rows", rows)),

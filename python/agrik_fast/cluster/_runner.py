@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
-from ..jobs import Outcome, Partition
+from ..jobs import Finished, Partition
 
 
 class Ended(NamedTuple):
     """How an attempt at a partition ended."""
 
     partition: Partition
-    outcome: Outcome | str
+    outcome: Finished | str
     """The outcome, or what went wrong."""
 
 

@@ -21,7 +21,8 @@ from ..jobs import Cancelled, Partition, about_process, run_partition, set_threa
 GRACE_S = 1.0
 """Seconds that work which is given up has to leave nothing behind."""
 _SIZE = struct.Struct(">Q")
-READY, ENDED = "ready", "ended"
+READY = "ready"
+ENDED = "ended"
 
 
 def send(stream: BinaryIO, message: Any) -> None:

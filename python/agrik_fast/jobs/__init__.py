@@ -2,7 +2,7 @@
 
 from ._formula import FormulaSource
 from ._job import MIXED, Assignment, Done, Job, JobError, canonical, difference
-from ._partition import Cancelled, Outcome, finished, run_partition
+from ._partition import Cancelled, Finished, finished, run_partition
 from ._places import is_url, open_store
 from ._process import about_process, set_threads
 from ._progress import Progress, Silent
@@ -22,11 +22,11 @@ __all__ = [
     "Cancelled",
     "Done",
     "FileSource",
+    "Finished",
     "FormulaSource",
     "ForwardJob",
     "Job",
     "JobError",
-    "Outcome",
     "Partition",
     "Progress",
     "Record",

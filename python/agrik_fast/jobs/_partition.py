@@ -35,7 +35,7 @@ class Cancelled(BaseException):
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Finished:
     """How a partition ended.
 
     Attributes
@@ -55,7 +55,7 @@ def _no_step(step: str) -> None:
 
 def run_partition(
     assignment: Assignment, partition: Partition, store: Store, at_step: AtStep = _no_step
-) -> Outcome:
+) -> Finished:
     """Do the work on a partition, unless its results are there.
 
     Idempotent: it can be called any number of times, by several processes at once, and be
@@ -77,7 +77,7 @@ def run_partition(
 
     Returns
     -------
-    Outcome
+    Finished
 
     Raises
     ------
@@ -95,7 +95,7 @@ def run_partition(
     started = time.perf_counter()
     known = finished(assignment, partition, store)
     if known is not None:
-        return Outcome(known, skipped=True)
+        return Finished(known, skipped=True)
     counts: Counter[str] = Counter()
     part = store.new_part(partition.name)
     try:
@@ -125,7 +125,7 @@ def run_partition(
     )
     store.write(store.record_of(partition.name), record.to_bytes())
     at_step("recorded")
-    return Outcome(record, skipped=False)
+    return Finished(record, skipped=False)
 
 
 def finished(assignment: Assignment, partition: Partition, store: Store) -> Record | None:
