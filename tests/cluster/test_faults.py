@@ -44,7 +44,7 @@ def formula(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def whole(formula: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the results of a run that nothing disturbs."""
     folder = tmp_path_factory.mktemp("undisturbed") / "out"
-    run_cluster(*job(formula, folder))
+    again(formula, folder)
     return folder
 
 
@@ -55,9 +55,14 @@ def undisturbed(whole: Path) -> dict[str, str]:
     return found
 
 
-def job(formula: Path, folder: Path, *more: object) -> tuple[object, ...]:
-    options = ("--generate", formula, "--robot", ROBOT, "--workers", 2)
+def job(formula: Path, folder: Path, *more: object, workers: int = 2) -> tuple[object, ...]:
+    options = ("--generate", formula, "--robot", ROBOT, "--workers", workers)
     return ("solve", folder, *options, *more)
+
+
+def again(formula: Path, folder: Path, *more: object) -> tuple[str, str]:
+    """Do the job to its end in this process."""
+    return run_cluster(*job(formula, folder, *more, workers=1))
 
 
 def parts(folder: Path) -> int:
@@ -105,7 +110,7 @@ def test_a_killed_driver_leaves_no_orphans_and_half_a_job(
     assert there < PARTITIONS and not (folder / "_manifest.json").exists()
     out, _ = run_cluster("status", folder, code=4)
     assert out.startswith(f"{there} of {PARTITIONS} partitions") and out.endswith("not complete\n")
-    out, _ = run_cluster(*job(formula, folder))
+    out, _ = again(formula, folder)
     assert f"{PARTITIONS - there} done, {there} were there" in out
     assert hashes(folder) == undisturbed
     # What is left over is named so that nobody reads it, and goes when it is told to.
@@ -143,7 +148,7 @@ def test_ctrl_c_ends_within_a_second_and_says_how_to_go_on(
     assert last.startswith(f"agrik-fast: {word}, ")
     assert f"of {PARTITIONS} partitions are there; go on with: agrik-fast cluster solve" in last
     assert str(formula) in last
-    run_cluster(*job(formula, folder))
+    again(formula, folder)
     assert hashes(folder) == undisturbed
 
 
@@ -179,7 +184,7 @@ def test_a_full_disk_is_a_list_of_failures(
     assert {each["attempts"] for each in failed} == {2}
     out, _ = run_cluster("status", folder, code=4)
     assert out.count("failed: part-") == PARTITIONS
-    run_cluster(*job(formula, folder))
+    again(formula, folder)
     assert hashes(folder) == undisturbed
     assert not (folder / "_failed.json").exists()
 
@@ -198,7 +203,7 @@ def test_a_small_file_system_fills_up(
         there = parts(folder / "out")
         assert f"{there} done" in out and 0 < there < PARTITIONS
         os.system(f"mount -o remount,size=10m {folder}")
-        out, _ = run_cluster(*job(formula, folder / "out"))
+        out, _ = again(formula, folder / "out")
         assert f"{there} were there" in out
         assert hashes(folder / "out") == undisturbed
     finally:
@@ -222,7 +227,7 @@ def test_truncated_and_missing_results_are_made_anew(
     out, _ = run_cluster("verify", finished, "--keep", code=4)
     assert f"{files[1].name}: has" in out and f"{files[2].name}: is missing" in out
     assert f"{files[4].name}.json: the record is damaged" in out
-    out, _ = run_cluster(*job(formula, finished))
+    out, _ = again(formula, finished)
     assert "4 done, 2 were there" in out
     assert hashes(finished) == undisturbed
 
@@ -237,12 +242,12 @@ def test_a_flipped_bit_is_found_and_mended(
     data[len(data) // 2] ^= 1
     victim.write_bytes(data)
     # The size is the same: nothing but reading tells.
-    out, _ = run_cluster(*job(formula, finished))
+    out, _ = again(formula, finished)
     assert f"{PARTITIONS} were there" in out
     out, _ = run_cluster("verify", finished, code=4)
     assert f"{victim.name}: is not what was written" in out and "1 damaged" in out
     assert not (finished / "_manifest.json").exists()
-    out, _ = run_cluster(*job(formula, finished))
+    out, _ = again(formula, finished)
     assert f"1 done, {PARTITIONS - 1} were there" in out
     assert hashes(finished) == undisturbed
     run_cluster("verify", finished)
@@ -254,8 +259,8 @@ def test_a_changed_job_is_refused_then_done_as_if_alone(
     _, err = run_cluster(*job(formula, finished, "--seed", 5), code=2)
     assert "holds results of another job: seed 0, not 5" in err
     assert hashes(finished) == undisturbed
-    run_cluster(*job(formula, tmp_path / "alone", "--seed", 5))
-    run_cluster(*job(formula, finished, "--seed", 5, "--force"))
+    again(formula, tmp_path / "alone", "--seed", 5)
+    again(formula, finished, "--seed", 5, "--force")
     assert hashes(finished) == hashes(tmp_path / "alone") != undisturbed
 
 
