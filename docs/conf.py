@@ -44,6 +44,7 @@ html_sidebars = {
     "closed-forms": [],
     "collision": [],
     "hardware": [],
+    "cluster": [],
 }
 
 # The API pages are read from the sources and, for the compiled module, from its stub,

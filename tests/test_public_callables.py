@@ -47,7 +47,13 @@ from agrik_fast.errors import AgrikError
 from agrik_fast.tuning import Tuning
 
 # Files and the jobs over them have tests of their own, which damage them; papers write files.
-ELSEWHERE = ("agrik_fast.cli", "agrik_fast.io", "agrik_fast.jobs", "agrik_fast.papers")
+ELSEWHERE = (
+    "agrik_fast.cli",
+    "agrik_fast.cluster",
+    "agrik_fast.io",
+    "agrik_fast.jobs",
+    "agrik_fast.papers",
+)
 # Exceptions and codes hold what they are given; tables of files are checked by their readers,
 # which turn the model's error into one of ours.
 RECORDS = (BaseException, tuple, int, pydantic.BaseModel)

@@ -15,6 +15,7 @@ from typer.core import TyperCommand
 
 from ..papers import PAPERS
 from . import _options
+from ._cluster_app import app as cluster_app
 from ._exits import NOT_ALL_SOLVED, exit_codes, run, say, telling
 
 app = typer.Typer(
@@ -24,6 +25,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
+app.add_typer(cluster_app, name="cluster")
 
 
 def main() -> None:

@@ -16,7 +16,7 @@ from .._npy import Archive, read_array
 from ._csv_rows import CsvRows
 from ._errors import ResultFileError
 from ._ids import check_text, check_width, checked
-from ._parquet import WHAT, check_sizes, open_file
+from ._parquet import WHAT, check_parquet_sizes, open_parquet
 from ._reader import CHUNK_BYTES
 from ._records import (
     FIXED_COLUMNS,
@@ -189,10 +189,10 @@ def _npz(path: Path, refuse: Refusal) -> Read:
 
 
 def _parquet(path: Path, refuse: Refusal) -> Read:
-    with open_file(path, refuse) as file, reading(refuse, WHAT):
+    with open_parquet(path, refuse) as file, reading(refuse, WHAT):
         names = list(file.schema_arrow.names)
         _joints(names, refuse)
-        check_sizes(file, path, refuse)
+        check_parquet_sizes(file, path.stat().st_size, refuse)
         table = file.read()
         columns: Columns = {}
         for name in names:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..result import Status
+from ..result import IkResult, Status
 
 STATUS_NAMES = tuple(status.name.lower() for status in Status)
 """Names of the statuses in files, in the order of their codes."""
@@ -105,6 +105,15 @@ class SceneColumns:
     body: NDArray[np.str_]
     object: NDArray[np.str_]
 
+    @classmethod
+    def of(cls, result: IkResult) -> SceneColumns | None:
+        """Return what answers are nearest to; None without a scene."""
+        clearance, pairs = result.clearance, result.nearest_pair
+        if clearance is None or pairs is None:
+            return None
+        body, thing = pairs.astype(np.str_).T
+        return cls(clearance, body, thing)
+
 
 @dataclass(frozen=True)
 class ResultChunk:
@@ -135,6 +144,21 @@ class ResultChunk:
     iterations: NDArray[np.integer[Any]]
     restarts: NDArray[np.integer[Any]]
     scene: SceneColumns | None = None
+
+    @classmethod
+    def of(cls, result: IkResult, ids: NDArray[Any]) -> ResultChunk:
+        """Return what the solver found for rows of these ids."""
+        return cls(
+            ids=ids,
+            q=result.q,
+            status=result.status,
+            success=result.success,
+            position_error=result.position_error,
+            orientation_error=result.orientation_error,
+            iterations=result.iterations,
+            restarts=result.restarts,
+            scene=SceneColumns.of(result),
+        )
 
     def __len__(self) -> int:
         return len(self.status)

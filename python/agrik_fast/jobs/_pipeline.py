@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Generator, Iterable
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._background import ahead
-from ..io import ResultChunk, SceneColumns, TargetChunk
+from ..io import ResultChunk, TargetChunk
 from ..result import IkResult
 
 # A piece is what one call of the solver gets: long enough to keep every core busy, short
@@ -71,33 +70,10 @@ class Pipeline:
             part = slice(at, at + self._size)
             started = time.perf_counter()
             result = self._solve(chunk.targets[part], chunk.first + at)
-            piece = _as_chunk(result, chunk.ids[part])
+            piece = ResultChunk.of(result, chunk.ids[part])
             took = time.perf_counter() - started
             self.solve_s += took
             at += len(piece)
             fit = int(len(piece) * PIECE_S / max(took, 1e-6))
             self._size = max(1, min(fit, 8 * self._size, LARGEST_PIECE))
             yield piece
-
-
-def _as_chunk(result: IkResult, ids: NDArray[Any]) -> ResultChunk:
-    return ResultChunk(
-        ids=ids,
-        q=result.q,
-        status=result.status,
-        success=result.success,
-        position_error=result.position_error,
-        orientation_error=result.orientation_error,
-        iterations=result.iterations,
-        restarts=result.restarts,
-        scene=_scene_columns(result),
-    )
-
-
-def _scene_columns(result: IkResult) -> SceneColumns | None:
-    """Return what answers are nearest to; None without a scene."""
-    clearance, pairs = result.clearance, result.nearest_pair
-    if clearance is None or pairs is None:
-        return None
-    body, thing = pairs.astype(np.str_).T
-    return SceneColumns(clearance, body, thing)

@@ -12,30 +12,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._native import __version__
-from ..errors import ArgumentError, UnknownNameError
+from ..errors import ArgumentError
 from ..io import (
     ResultChunk,
     ResultFileError,
     ResultLayout,
-    TargetReader,
     check_result_path,
     open_results,
     read_targets,
 )
 from ..result import IkResult
 from ..robot import Prefer, Robot, SceneOf
-from ..tasks import Axis, Masked, PositionFirst
 from ._pipeline import Pipeline, Solve
 from ._progress import Progress, Silent
 from ._robot_choice import RobotChoice
 from ._summary import Summary
+from ._task import JobTask, Vector, check_tolerances, choose_task, task_words
 
 # Rows that are written in one go, fewer where ids are long; a Parquet file gets a row group
 # of them.
 WRITE_ROWS = 65_536
 WRITE_ID_BYTES = 32 << 20
-Vector = tuple[float, float, float]
-TASKS = ("position", "pose", "axis", "masked", "position-first")
 
 
 @dataclass(frozen=True)
@@ -119,37 +116,6 @@ class SolveRequest:
         return RobotChoice(self.robot, self.base_link, self.tip_link, self.tool, self.frame)
 
 
-def choose_task(
-    request: SolveRequest, reader: TargetReader
-) -> tuple[str, str | Axis | Masked | PositionFirst]:
-    """Return the task's name and what `Robot.ik` gets for it.
-
-    Raises
-    ------
-    ArgumentError
-        For an unknown task, or one that needs orientations the targets do not have.
-    """
-    usual = "masked" if request.mask is not None else "pose" if reader.is_pose else "position"
-    name = request.task or usual
-    if name not in TASKS:
-        raise UnknownNameError("task", name, TASKS)
-    if name in ("pose", "masked", "position-first") and not reader.is_pose:
-        expected = f"orientations for a {name} task"
-        raise ArgumentError("task", "targets without orientation", expected)
-    if (name == "masked") != (request.mask is not None):
-        got = "nothing" if request.mask is None else f"task {name!r}"
-        raise ArgumentError("mask", got, "six weights with the task 'masked'")
-    if name != "axis" and request.direction is not None:
-        raise ArgumentError("direction", f"task '{name}'", "task 'axis'")
-    if request.mask is not None:
-        return name, Masked(request.mask, request.mask_frame)  # type: ignore[arg-type]
-    if name != "axis":
-        return name, PositionFirst() if name == PositionFirst.name else name
-    if request.direction is None and not reader.is_pose:
-        raise ArgumentError("direction", "nothing", "one, as the targets are points")
-    return name, Axis(tool_axis=request.tool_axis, direction=request.direction)
-
-
 def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summary:
     """Solve every target of a file and write the results.
 
@@ -175,7 +141,7 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     started = time.perf_counter()
     progress = Silent() if progress is None else progress
     check_result_path(request.output)
-    _check_tolerances(request)
+    check_tolerances(request)
     if not (np.isfinite(request.clear) and request.clear >= 0.0):
         raise ArgumentError("clear", repr(request.clear), "a number >= 0")
     if request.scene is None and (request.clear != 0.0 or request.prefer != "first"):
@@ -184,7 +150,7 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     reader = read_targets(request.targets)
     if request.output.exists() and request.output.samefile(request.targets):
         raise ResultFileError(request.output, "is the target file, expected another name")
-    task_name, task = choose_task(request, reader)
+    task_name, task = choose_task(request, is_pose=reader.is_pose)
     letters = _name_letters(robot, request)
     summary = Summary(robot.name, task_name, with_orientation=task_name != "position")
     layout = ResultLayout(
@@ -219,25 +185,7 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     return summary
 
 
-def _check_tolerances(request: SolveRequest) -> None:
-    """Refuse what `Robot.ik` would refuse, before a file is read."""
-    for name in ("position_tolerance", "orientation_tolerance"):
-        given = getattr(request, name)
-        each = given if isinstance(given, tuple) else (given,)
-        free = len(each) == 3
-        if len(each) not in (1, 3) or not all(
-            value > 0.0 and (free or np.isfinite(value)) for value in each
-        ):
-            expected = "a positive number, or three of which inf frees an axis"
-            raise ArgumentError(name, repr(given), expected)
-    frame: object = request.tolerance_frame
-    if frame not in (None, "base", "tool"):
-        raise ArgumentError("tolerance_frame", repr(frame), "'base' or 'tool'")
-
-
-def _solver(
-    robot: Robot, task: str | Axis | Masked | PositionFirst, request: SolveRequest
-) -> Solve:
+def _solver(robot: Robot, task: JobTask, request: SolveRequest) -> Solve:
     def solve(targets: NDArray[np.float64], first_index: int) -> IkResult:
         return robot.ik(
             targets,
@@ -273,30 +221,14 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
         "targets": request.targets.name,
         "task": task,
         "solver": request.solver,
-        "position_tolerance_m": _words(request.position_tolerance),
-        "orientation_tolerance_rad": _words(request.orientation_tolerance),
-        "seed": str(request.seed),
+        **task_words(request, task),
         **request.choice.words(),
     }
-    if request.q0 is not None:
-        values["q0"] = _words(request.q0)
-    if request.mask is not None:
-        values["mask"] = f"{_words(request.mask)} in the {request.mask_frame}'s frame"
     if request.scene is not None:
         values["scene"] = request.scene_name
         values["clear_m"] = repr(request.clear)
         values["prefer"] = request.prefer
-    if request.tolerance_frame is not None:
-        values["tolerance_frame"] = request.tolerance_frame
-    if task == "axis":
-        values["tool_axis"] = _words(request.tool_axis)
-        where = request.direction
-        values["direction"] = "the targets' own" if where is None else _words(where)
     return values
-
-
-def _words(numbers: float | tuple[float, ...]) -> str:
-    return ",".join(map(repr, numbers)) if isinstance(numbers, tuple) else repr(numbers)
 
 
 def _id_bytes(pieces: list[ResultChunk]) -> int:

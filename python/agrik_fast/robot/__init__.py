@@ -387,6 +387,15 @@ class Robot(InverseKinematics, CollisionBodies):
         return self._chain.reach_box
 
     @property
+    def fingerprint(self) -> str:
+        """Hash of the definition (geometry, limits, base, tool, names), 64 hex digits.
+
+        Equal for robots that are built from the same numbers; it says nothing of two
+        descriptions of one arm.
+        """
+        return self._definition.fingerprint()
+
+    @property
     def description(self) -> str:
         """One line on what the robot is; empty if nobody said."""
         return self._definition.description

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
@@ -66,9 +68,19 @@ class Definition:
         make: Callable[..., _native.Chain] = getattr(_native.Chain, self.method)
         return make(*self.arguments, self.base, self.tool, self.variable_order)
 
+    def fingerprint(self) -> str:
+        """Return a hash of all that the chain is built from."""
+        parts = [self.method, self.arguments, self.base, self.tool, self.variable_order]
+        return hashlib.sha256(json.dumps(parts, default=_plain).encode()).hexdigest()
+
     def replaced(self, **changes: Any) -> Definition:
         """Return the definition with other fields."""
         return replace(self, **changes)
+
+
+def _plain(value: Any) -> Any:
+    """Return what JSON has no word for as lists; floats keep all of their digits."""
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else repr(value)
 
 
 @dataclass(frozen=True)
