@@ -78,9 +78,7 @@ def draw(axis, shapes, color, alpha=1.0):
     found = [surface(shape) for shape in shapes]
     for size in {len(part[0]) for part in found if len(part)}:
         faces = np.concatenate([part for part in found if len(part) and len(part[0]) == size])
-        axis.add_collection3d(
-            Poly3DCollection(faces, facecolors=color, alpha=alpha, shade=True)
-        )
+        axis.add_collection3d(Poly3DCollection(faces, facecolors=color, alpha=alpha, shade=True))
 
 
 def placed(arm, q):

@@ -23,7 +23,8 @@ from ._objects import SceneObject
 from ._pcd import read_pcd
 from ._ply import read_ply
 from ._rows import POINT, faulty
-from ._tables import UNITS, numbers_in
+from ._solids_in_tables import numbers_in
+from ._tables import UNITS
 
 CLOUD_SUFFIXES = (".ply", ".pcd", ".npz", ".csv")
 # Twenty million points of a camera with colours.

@@ -17,7 +17,8 @@ from ..errors import ArgumentError, Fault, SceneFileError
 from ._clouds import objects_of, read_cloud
 from ._content import TOUCH_RADIUS, Content, Target, checked_content
 from ._objects import SceneObject
-from ._tables import UNITS, SceneFile, numbers_in, parse
+from ._solids_in_tables import numbers_in
+from ._tables import UNITS, SceneFile, parse
 
 SUFFIXES = (".json", ".toml")
 # A million points are some 60 MB of JSON. TOML is read by a parser in Python.
