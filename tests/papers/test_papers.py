@@ -21,7 +21,15 @@ FILES = {
     },
     "tomato": {
         *("table1.csv", "figure8.csv", "torques.csv", "servos.csv", "report.md"),
-        *(f"{name}.{kind}" for name in ("figure8", "arm") for kind in ("png", "svg")),
+        *("links.csv", "alpha.csv", "lost.csv"),
+        *(
+            f"{name}.{kind}"
+            for name in (
+                *(f"figure{number}" for number in (2, 3, 4, 5, 6, 8)),
+                *("arm", "links", "alpha", "lost"),
+            )
+            for kind in ("png", "svg")
+        ),
     },
 }
 
@@ -133,3 +141,39 @@ def test_tomato_error_is_calibration_not_kinematics() -> None:
     none = tomato.ErrorSizes(link=0.0, zero=0.0, deadband=0.0, image=0.0)
     assert np.abs(tomato.monte_carlo(sizes=none, draws=10)).max() < 1e-10
     assert tomato.monte_carlo("inverse", none, draws=10).max() < 0.3
+
+
+def test_tomato_alpha_fails_above_its_bound(folders: dict[str, Path]) -> None:
+    rows = read(folders["tomato"] / "alpha.csv")
+    assert len(rows) == len(tomato.ALPHAS)
+    for row in rows:
+        alpha, reached = float(row["alpha_per_m2"]), float(row["reached_share"])
+        assert float(row["alpha_per_dm2"]) == pytest.approx(alpha / 100, rel=1e-3)
+        assert float(row["alpha_per_cm2"]) == pytest.approx(alpha / 1e4, rel=1e-3)
+        # In metres nothing fails in the usual range, 0 to 1, nor up to 19.
+        if alpha < 19.5:
+            assert reached == 1.0
+        elif alpha < 50:
+            assert abs(reached - float(row["below_bound_share"])) <= 0.02
+        else:
+            assert reached < 0.25
+    # The published 35 iterations ask for a step near 13.
+    near = min(rows, key=lambda row: abs(float(row["mean_iterations"] or "inf") - 35))
+    assert 12 < float(near["alpha_per_m2"]) < 15 or 30 < float(near["alpha_per_m2"]) < 34
+
+
+def test_tomato_targets_that_methods_lose(folders: dict[str, Path]) -> None:
+    lost = {row["method"]: float(row["lost_share"]) for row in read(folders["tomato"] / "lost.csv")}
+    assert list(lost) == list(tomato.MAPS)
+    full, small, fitted, long = lost.values()
+    assert full == pytest.approx(0.035, abs=0.005)
+    assert small == fitted == 0.0
+    assert long == pytest.approx(0.39, abs=0.02)
+    # What full steps lose within the servos' limits is near the pan axis.
+    made = tomato.lost_targets("inverse, full steps")
+    gone = made.points[made.front & ~made.reached]
+    assert np.median(np.abs(gone[:, 0])) < 0.08 and (gone[:, 1] > 0.15).all()
+    # Four fifths of the arm's length and more: what a step of 25 per m^2 loses.
+    made = tomato.lost_targets("transpose, alpha = 25 per m²")
+    gone = made.points[made.front & ~made.reached]
+    assert np.hypot(*gone.T).min() > 0.23

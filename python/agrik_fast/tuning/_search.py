@@ -24,10 +24,10 @@ from ._plan import (
     VALIDATION_SEED,
     Gains,
     Tuning,
+    goals_of,
     legs_of,
     template,
 )
-from .goals import joint_uniform
 
 TEST_SEED = 1
 """Seed of the goals kept apart from the training."""
@@ -218,12 +218,15 @@ def _content(gains: Gains, robot: Robot, tuning: Tuning, training: TrainingTable
         name: [list(row) for row in value] if isinstance(value, tuple) else value
         for name, value in numbers.items()
     }
+    units: dict[str, Any] = {"length": "mm" if gains.name == "ik-pid" else "cm", "angle": "deg"}
+    if not isinstance(gains, IkPid) and gains.rotation_length_m is not None:
+        units["rotation_length_m"] = gains.rotation_length_m
     return GainFile.model_validate(
         {
             "solver": gains.name,
             "robot": robot.name,
             "start": tuning.start,
-            "units": {"length": "mm" if gains.name == "ik-pid" else "cm", "angle": "deg"},
+            "units": units,
             "gains": rows,
             "training": training.model_dump(exclude_none=True),
             "success": _success(gains, robot, tuning).model_dump(exclude_none=True),
@@ -232,9 +235,13 @@ def _content(gains: Gains, robot: Robot, tuning: Tuning, training: TrainingTable
 
 
 def _success(gains: Gains, robot: Robot, tuning: Tuning) -> SuccessTable:
-    goals = joint_uniform(robot, TEST_GOALS, TEST_SEED)
+    goals = goals_of(robot, tuning, TEST_GOALS, TEST_SEED)
     answer = robot.ik(
-        goals, solver=gains, position_tolerance=tuning.tolerance, threads=tuning.threads
+        goals,
+        solver=gains,
+        position_tolerance=tuning.tolerance,
+        orientation_tolerance=tuning.orientation_tolerance,
+        threads=tuning.threads,
     )
     solved = int(answer.success.sum())
     mean = float(answer.iterations[answer.success].mean()) if solved else None
@@ -244,6 +251,7 @@ def _success(gains: Gains, robot: Robot, tuning: Tuning) -> SuccessTable:
         goals=TEST_GOALS,
         solved=solved,
         tolerance_m=tuning.tolerance,
+        tolerance_rad=tuning.orientation_tolerance if tuning.task == "pose" else None,
         max_iterations=gains.max_iterations,
         mean_iterations=mean,
     )

@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 from .._checks import FloatArray, real_number, whole_number
 from ..robot import Robot
 
-__all__ = ["joint_uniform", "joint_uniform_q", "splitmix64", "volume_uniform"]
+__all__ = [
+    "joint_uniform",
+    "joint_uniform_poses",
+    "joint_uniform_q",
+    "splitmix64",
+    "volume_uniform",
+]
 
 _MASK = 2**64 - 1
 _GAMMA = 0x9E3779B97F4A7C15
@@ -57,6 +63,11 @@ def joint_uniform_q(robot: Robot, count: int, seed: int) -> FloatArray:
 def joint_uniform(robot: Robot, count: int, seed: int) -> FloatArray:
     """Return tool points at postures uniform in the limits, shape (count, 3), m."""
     return robot.fk(joint_uniform_q(robot, count, seed))[:, :3, 3]
+
+
+def joint_uniform_poses(robot: Robot, count: int, seed: int) -> FloatArray:
+    """Return poses at postures uniform in the limits, shape (count, 4, 4), m."""
+    return robot.fk(joint_uniform_q(robot, count, seed))
 
 
 def volume_uniform(

@@ -303,10 +303,12 @@ impl StrawberryArm {
 
 /// The common record of answers that were found outside the core.
 #[pyfunction]
+#[pyo3(signature = (q, status, position_error, iterations=None))]
 pub fn ik_record(
     q: &Bound<'_, PyAny>,
     status: &Bound<'_, PyAny>,
     position_error: &Bound<'_, PyAny>,
+    iterations: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<IkResult> {
     let py = q.py();
     let q = Floats::new("q", q)?;
@@ -321,11 +323,18 @@ pub fn ik_record(
     }
     let status: Vec<u8> = status.values()?.iter().map(|code| *code as u8).collect();
     let errors = errors.values()?;
+    let iterations = match iterations {
+        Some(counts) => {
+            let counts = Floats::of_shape("iterations", counts, leading)?;
+            counts.values()?.iter().map(|count| *count as u32).collect()
+        }
+        None => vec![0; status.len()],
+    };
     let answers = Answers {
         q: q.values()?.to_vec(),
         // Infinite where nothing could be tried, as the error of position.
         orientation_error: errors.iter().map(|x| if x.is_finite() { 0.0 } else { *x }).collect(),
-        iterations: vec![0; status.len()],
+        iterations,
         restarts: vec![0; status.len()],
         position_error: errors.to_vec(),
         status,

@@ -362,14 +362,19 @@ fn decomposed(jacobian: DMatrix<f64>, vectors: bool) -> Result<SVD<f64, Dyn, Dyn
         .ok_or_else(|| no_inverse("one whose singular values do not settle"))
 }
 
-/// The gain that feedback laws without matrices start from, for positions: joint values (rad
-/// or m) by metres of error along the axes of the chain's first link.
-pub fn frozen_gain(chain: &Chain) -> Result<Matrix> {
+/// The gain that feedback laws without matrices start from: joint values (rad or m) by metres
+/// of error along the axes of the chain's first link. With `per_radian` (m) for poses: three
+/// more columns for the orientation, of which a radian counts as so many metres.
+pub fn frozen_gain(chain: &Chain, per_radian: Option<f64>) -> Result<Matrix> {
     let tail = &chain.compiled().tail;
-    let around = Around { chain, task: &Task::Position, tail, rotation_scale: 1.0 };
+    let task = if per_radian.is_some() { Task::Pose } else { Task::Position };
+    let rotation_scale = per_radian.unwrap_or(1.0);
+    let around = Around { chain, task: &task, tail, rotation_scale };
     let mut gain = around.frozen()?;
-    let turned = &gain * chain.base().rotation.matrix();
-    gain.copy_from(&turned);
+    for block in 0..gain.ncols() / 3 {
+        let turned = gain.columns(3 * block, 3) * chain.base().rotation.matrix();
+        gain.columns_mut(3 * block, 3).copy_from(&turned);
+    }
     Ok(Matrix::of(&gain))
 }
 
