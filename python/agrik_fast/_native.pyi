@@ -469,8 +469,13 @@ class StrawberryArm:
     def commands(self, q: ArrayLike, psi: float, h_extra: float) -> list[tuple[str, float]]:
         """Return the steps of remark 3 to a pose: (axis, target) pairs."""
 
-    def suggest_base_shift(self, targets: ArrayLike, may_move: list[bool]) -> NDArray[np.float64]:
-        """Return the smallest platform translations, shape (..., 3), m; NaN where none helps."""
+    def suggest_base_shift(
+        self, targets: ArrayLike, may_move: list[bool], within: float = 1e-8
+    ) -> NDArray[np.float64]:
+        """Return the smallest platform translations but for `within`, m; NaN where none helps.
+
+        Shape (..., 3).
+        """
 
 @final
 class TomatoArm:

@@ -6,8 +6,9 @@ arm within its servos' limits, and `holding_torques` says what its servos have t
 `gravity_torques` says it of any chain.
 """
 
+from ._commands import Command, Commands
 from ._gravity import PointMass, gravity_torques
-from ._strawberry import Command, Place, StrawberryArm, StrawberryResult
+from ._strawberry import Place, StrawberryArm, StrawberryResult
 from ._tomato import (
     BRANCHES,
     HOME,
@@ -26,6 +27,7 @@ __all__ = [
     "HOME",
     "HS_311",
     "Command",
+    "Commands",
     "Load",
     "Outcome",
     "PacedResult",

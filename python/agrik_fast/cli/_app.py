@@ -189,7 +189,7 @@ def tune(
     rotation_length: Annotated[
         float | None,
         typer.Option(
-            help="Poses: metres that a radian of error counts as; 0.05 of the reach if not given."
+            help="Poses: metres that a radian of error counts as; 0.3 of the reach if not given."
         ),
     ] = None,
     threads: Annotated[

@@ -33,6 +33,9 @@ def describe(name_or_path: str) -> str:
     ]
     if robot.dh is not None:
         blocks.append(_dh(robot))
+    if robot.end_effector is not None:
+        hand = robot.end_effector
+        blocks.append(f"End effector\n  servo {hand.servo} moves {', '.join(hand.moves)}")
     if robot.frames:
         blocks.append(_frames(robot))
     if robot.source:

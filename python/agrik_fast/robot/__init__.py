@@ -11,7 +11,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks import FloatArray, float_array, text, whole_number, word
-from ._definition import Definition, bundled_names, from_robot_file, locate, naming_file, read_urdf
+from ._definition import (
+    Definition,
+    EndEffector,
+    bundled_names,
+    from_robot_file,
+    locate,
+    naming_file,
+    read_urdf,
+)
 from ._dh_rows import CONVENTIONS, DhRow, read_table
 from ._inverse import InverseKinematics
 from ._path import Path
@@ -286,6 +294,11 @@ class Robot(InverseKinematics):
         ``robot.frames["paper"] @ robot.fk(q)`` is the tool in the frame "paper".
         """
         return {name: pose.copy() for name, pose in self._definition.frames.items()}
+
+    @property
+    def end_effector(self) -> EndEffector | None:
+        """The servo at the arm's end and the parts that it moves; None if nothing is known."""
+        return self._definition.end_effector
 
     # -- what it does ------------------------------------------------------------------
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,21 @@ ROBOTS = Path(__file__).resolve().parent / "bundled"
 # The core has the same limit for texts.
 _URDF_BYTES = 16 << 20
 _SUFFIXES = (".toml", ".urdf", ".xml")
+
+
+class EndEffector(NamedTuple):
+    """What an arm carries at its end.
+
+    Attributes
+    ----------
+    servo : str
+        Name of the one servo, as in command sequences.
+    moves : tuple of str
+        Parts that it opens and closes together.
+    """
+
+    servo: str
+    moves: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -49,6 +64,7 @@ class Definition:
     convention: str | None = None
     dh: tuple[DhRow, ...] | None = None
     frames: dict[str, FloatArray] = field(default_factory=dict)
+    end_effector: EndEffector | None = None
 
     def build(self) -> _native.Chain:
         """Compile the chain."""
@@ -123,6 +139,7 @@ def from_robot_file(path: Path) -> Definition:
 
     content = read(path)
     method, arguments, dh = _dh(content) if content.dh else _joints(content)
+    hand = content.end_effector
     return Definition(
         method=method,
         arguments=arguments,
@@ -136,6 +153,7 @@ def from_robot_file(path: Path) -> Definition:
         convention=content.convention,
         dh=dh,
         frames={name: table.matrix() for name, table in content.frames.items()},
+        end_effector=None if hand is None else EndEffector(hand.servo, tuple(hand.moves)),
     )
 
 
@@ -174,5 +192,7 @@ def _provenance(content: RobotFile) -> dict[str, str]:
     tables: list[tuple[str, Mapping[str, str]]] = [("base", content.base.provenance)]
     tables += [(row.name, row.provenance) for row in (*content.dh, *content.joint)]
     tables += [("tool", content.tool.provenance)]
+    if content.end_effector is not None:
+        tables += [("end_effector", content.end_effector.provenance)]
     tables += [(f"frames.{name}", table.provenance) for name, table in content.frames.items()]
     return {f"{place}.{key}": note for place, notes in tables for key, note in notes.items()}

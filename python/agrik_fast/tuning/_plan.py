@@ -29,7 +29,7 @@ _CENTIMETRE = 0.01
 # Lengths that the published IK-PID gains belong to: the HydroLek's reach, m.
 _PID_REACH_M = 1.49
 # Length that a radian counts as where none is asked for, as a share of the reach.
-_ROTATION_SHARE = 0.05
+_ROTATION_SHARE = 0.3
 # The refinement: goals for one of a search, and the deviation it begins with.
 _MORE_GOALS = 4
 _REFINEMENT_SIGMA = 0.05
@@ -83,7 +83,7 @@ class Tuning:
     orientation_tolerance : float
         Angle that counts as reached, rad; for poses.
     rotation_length : float, optional
-        Poses: length that one radian of orientation error counts as, m; a twentieth of the
+        Poses: length that one radian of orientation error counts as, m; 0.3 times the
         robot's reach if not given. Not for IK-PID, which counts as all solvers do by
         default.
     threads : int, optional

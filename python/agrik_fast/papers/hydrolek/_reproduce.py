@@ -15,6 +15,7 @@ from ...tuning.goals import joint_uniform, joint_uniform_q
 from .._output import write_csv, write_text
 from . import _figures
 from ._published import PLANAR_DEG
+from ._studies import write_studies
 from ._tables import (
     GOALS,
     SIDES,
@@ -96,6 +97,8 @@ def reproduce(directory: Path, report: Callable[[str], None] | None = None) -> l
     )
     cloud = arm.fk(joint_uniform_q(arm, 4000, 3))[:, :2, 3]
     files += _figures.planar(directory, cloud, arm.fk_links(found.q)[:, :2, 3])
+    say("edge, singular postures, poses, stability, further robots")
+    files += write_studies(directory, robot)
     files.append(_summary(directory, found.q))
     return files
 
@@ -106,6 +109,9 @@ def _summary(directory: Path, planar_q: FloatArray) -> Path:
     lines = [
         "table2_*.csv: Table II on goals drawn uniformly in the joint limits; one thread.",
         "success.csv: goals reached of 1,000; units.csv: what units the gains can be in.",
+        "lost.csv: where goals are lost; near_singular.csv: starts beside singular postures;",
+        "pose.csv: poses by what a radian counts as; stability.csv: the state space about its",
+        "goals; robots.csv: gains for further robots.",
         f"Planar arm at (5, 0): ({angles}) degrees; published ({published}) degrees,",
         f"which miss the goal by {planar_claim():.4f} link units.",
     ]

@@ -176,11 +176,14 @@ def _evaluations(solver: Solver, dof: int, steps: float) -> tuple[float, float]:
 
 def success_counts(robot: Robot) -> list[list[object]]:
     """Return goals reached of 1,000 at 1 mm: published, on sets J (three seeds) and V."""
-    solvers: Mapping[str, Feedback] = {
+    solvers: Mapping[str, JacobianSolver | Feedback] = {
         "IK-PID, Kp 0.02": IkPid.load("hydrolek_pid_published_kp"),
         "IK-PID, tuned": IkPid.load("hydrolek_pid_published_tuned"),
         "state space, trial": StateSpace.load("hydrolek_trial_published"),
         "state space, optimised": StateSpace.load("hydrolek_full90_pso"),
+        "pseudo-inverse": ClosedPseudoInverse(),
+        "transpose": Transpose(),
+        "damped, 200 mm": DampedLeastSquares(damping=0.2),
     }
     sets = {f"J{seed}": joint_uniform(robot, GOALS, seed) for seed in (1, 11, 12)}
     sets["V"] = volume_uniform(robot, GOALS, 2)

@@ -187,8 +187,7 @@ impl Tuner {
         };
         let mut signals = Signals::new();
         let mut go_on = || signals.go_on_detached();
-        let order =
-            py.detach(|| tuner.problem().hardest_first(&first, tuner.threads, &mut go_on));
+        let order = py.detach(|| tuner.problem().hardest_first(&first, tuner.threads, &mut go_on));
         let order = order.map_err(|error| signals.exception(py, error))?;
         tuner.goals = tuner.goals.in_order(&order);
         Ok(tuner)
