@@ -5,6 +5,7 @@ import math
 from pathlib import Path
 
 import architecture_picture
+import elements
 import matplotlib as mpl
 import numpy as np
 
@@ -221,6 +222,8 @@ def main(folder: Path) -> None:
     tomato.reproduce(folder / "papers" / "tomato")
     hydrolek.reproduce(folder / "papers" / "hydrolek")
     redundant7.reproduce(folder / "papers" / "redundant7", repeats=200)
+    text = elements.table(Path(__file__).parent / "papers" / "elements.csv")
+    (folder / "papers" / "elements.md").write_text(text, encoding="utf-8")
     architecture_picture.main(folder / "architecture")
     methods = folder / "methods"
     methods.mkdir(exist_ok=True)
