@@ -11,12 +11,12 @@ from ...tuning.goals import joint_uniform
 from ._tables import GOALS, plain
 
 OTHERS = ("tomato", "puma560", "ur5", "redundant7")
-START = "middle"
-"""Where attempts start: zero is singular for three of these robots."""
+START = "zero"
+"""Where attempts start; of three of these robots it is the middle of the limits too."""
 
 
 class RobotRow(NamedTuple):
-    """A robot's goals of 1,000 at 1 mm in one attempt from the middle of the limits.
+    """A robot's goals of 1,000 at 1 mm in one attempt from zero.
 
     Attributes
     ----------
