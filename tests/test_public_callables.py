@@ -20,7 +20,7 @@ import pytest
 
 import agrik_fast as ik
 from agrik_fast import _native
-from agrik_fast.arms import StrawberryArm, TomatoArm
+from agrik_fast.arms import PointMass, StrawberryArm, TomatoArm
 from agrik_fast.errors import AgrikError
 from agrik_fast.tuning import Tuning
 
@@ -31,8 +31,8 @@ ELSEWHERE = ("agrik_fast.cli", "agrik_fast.io", "agrik_fast.jobs", "agrik_fast.p
 RECORDS = (BaseException, tuple, int, pydantic.BaseModel)
 # Records that the library makes and nobody else.
 ANSWERS = {
-    "Branches", "Command", "DhRow", "IkResult", "PacedResult", "Path", "Report", "Straightened",
-    "StrawberryResult", "TomatoBranches", "TomatoResult", "Torques",
+    "Branches", "Command", "Commands", "DhRow", "IkResult", "PacedResult", "Path", "Report",
+    "Straightened", "StrawberryResult", "TomatoBranches", "TomatoResult", "Torques",
 }  # fmt: skip
 # Objects and files, for which nothing but their own kind makes sense: what is none at all is the
 # type checker's business, as it is for `Robot(definition)`, which users do not call.
@@ -78,7 +78,9 @@ ARGUMENTS: dict[str, Any] = {
     "method": "transpose",
     "n": 1,
     "name": "a name",
+    "link": "tool",
     "mass": 0.1,
+    "masses": [PointMass(link="tool", mass=0.1)],
     "speed": 1.0,
     "torque": 1.0,
     "name_or_path": "ur5",

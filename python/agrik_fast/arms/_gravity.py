@@ -31,7 +31,7 @@ class PointMass:
     Raises
     ------
     ArgumentError
-        A mass below 0, or a position that is not three finite numbers.
+        A name that is none, a mass below 0, or a position that is not three finite numbers.
     """
 
     link: str
@@ -39,6 +39,9 @@ class PointMass:
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
+        link: object = self.link
+        if not isinstance(link, str):
+            raise ArgumentError("PointMass.link", shown(link), "the name of a link")
         real_number("PointMass.mass", self.mass, 0, unit="kg")
         place = finite_array("PointMass.position", self.position, (3,))
         object.__setattr__(self, "position", tuple(place.tolist()))
@@ -98,6 +101,9 @@ def gravity_torques(
     if values.ndim == 0 or values.shape[-1] != robot.dof:
         raise ArgumentError("q", f"shape {values.shape}", f"shape (..., {robot.dof})")
     links = list(robot.link_names)
+    listed: object = masses
+    if not isinstance(listed, list | tuple):
+        raise ArgumentError("masses", shown(listed), "a list or tuple of PointMass objects")
     for each in masses:
         given: object = each
         if not isinstance(given, PointMass):
