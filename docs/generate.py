@@ -6,6 +6,7 @@ from pathlib import Path
 
 import architecture_picture
 import elements
+import hardware_pictures
 import matplotlib as mpl
 import numpy as np
 
@@ -225,6 +226,7 @@ def main(folder: Path) -> None:
     text = elements.table(Path(__file__).parent / "papers" / "elements.csv")
     (folder / "papers" / "elements.md").write_text(text, encoding="utf-8")
     architecture_picture.main(folder / "architecture")
+    hardware_pictures.main(folder / "hardware")
     methods = folder / "methods"
     methods.mkdir(exist_ok=True)
     draw_laws(methods)

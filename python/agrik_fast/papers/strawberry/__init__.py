@@ -4,18 +4,18 @@
 mechanism of an agricultural robot", Int. J. Mechanisms and Robotic Systems 4(1), 43-60.
 """
 
+from ._experiments import Experiment, execution_time, experiments
 from ._mechanism import Terms, energy_terms
 from ._problem1 import CORRECTED, Derivatives, Formulas, conditions_hold, derivatives, problem1
-from ._published import EXPERIMENT_ROWS, SPHERE_CENTRE, SPHERE_RADIUS, published, targets
+from ._published import SPHERE_CENTRE, SPHERE_RADIUS, published, targets
 from ._quadrants import Quadrant, quadrant_times
 from ._reproduce import reproduce
 from ._starts import Guess, guesses, random_targets
-from ._tables import Cell, Experiment, execution_time, experiments, table3
+from ._tables import Cell, table3
 from ._times import Times, time_columns, times_ns
 
 __all__ = [
     "CORRECTED",
-    "EXPERIMENT_ROWS",
     "SPHERE_CENTRE",
     "SPHERE_RADIUS",
     "Cell",

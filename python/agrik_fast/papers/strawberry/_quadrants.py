@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arms import StrawberryArm
-from ._published import COLUMNS, Column, targets
-from ._tables import Experiment
+from ._experiments import METHODS, Experiment
+from ._published import Column
 
 
 class Quadrant(NamedTuple):
@@ -36,12 +36,12 @@ class Quadrant(NamedTuple):
 def quadrant_times(runs: Sequence[Experiment]) -> list[Quadrant]:
     """Return mean times by quadrant and method."""
     arm = StrawberryArm()
-    far = np.linalg.norm(targets() - arm.fk(arm.reset_pose), axis=1)
+    home = arm.fk(arm.reset_pose)
     rows = []
     for quadrant in (1, 2, 3, 4):
-        for column in COLUMNS[:3]:
+        for column in METHODS:
             own = [run for run in runs if (run.quadrant, run.column) == (quadrant, column)]
-            away = float(np.mean([far[run.row - 1] for run in own]))
+            away = float(np.mean([np.linalg.norm(run.target - home) for run in own]))
             seconds = float(np.mean([run.seconds for run in own]))
             rows.append(Quadrant(quadrant, column, away, seconds))
     return rows

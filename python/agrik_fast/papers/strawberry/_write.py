@@ -6,12 +6,12 @@ from pathlib import Path
 
 from ...arms import StrawberryArm
 from .._output import write_csv, write_text
+from ._experiments import experiments
 from ._problem1 import problem1, write_problem1
 from ._quadrants import quadrant_report, quadrant_times
 from ._starts import guess_report, guesses, write_guesses
 from ._tables import (
     experiment_report,
-    experiments,
     match_report,
     table3,
     table3_rows,
@@ -28,7 +28,8 @@ def write_tables(directory: Path, arm: StrawberryArm) -> list[Path]:
     steps = []
     for run in runs:
         shown = [f"{step.axis}={step.target:.5f}" for step in run.steps]
-        steps.append((run.row, run.quadrant, run.column, f"{run.seconds:.3f}", *shown))
+        point = [f"{1000 * x:.1f}" for x in run.target]
+        steps.append((run.number, *point, run.quadrant, run.column, f"{run.seconds:.3f}", *shown))
     columns = time_columns(times)
     guessed, readings = guesses(arm), problem1(arm)
     report = [
@@ -59,7 +60,10 @@ def write_tables(directory: Path, arm: StrawberryArm) -> list[Path]:
         ),
         write_csv(
             directory / "experiments.csv",
-            ["row", "quadrant", "column", "time_s", *(f"step{i}_m_or_rad" for i in range(1, 10))],
+            [
+                *("run", "x_mm", "y_mm", "z_mm", "quadrant", "column", "time_s"),
+                *(f"step{i}_m_or_rad" for i in range(1, 10)),
+            ],
             steps,
         ),
         write_csv(
