@@ -9,6 +9,7 @@ import pytest
 import agrik_fast as ik
 from agrik_fast import ArgumentError, Status, UnknownNameError
 from agrik_fast.arms import Place, StrawberryArm
+from agrik_fast.drivers import StrawberryRig
 from agrik_fast.papers import strawberry as paper
 
 REFERENCE = json.loads(
@@ -375,6 +376,14 @@ def test_one_servo_moves_fingers_and_cutter() -> None:
         assert ("gripper" in axes) == (not reset)
     assert ik.Robot.load("strawberry").end_effector is None
     assert six.with_tool(np.eye(4)).end_effector == six.end_effector
+
+
+def test_drivers_and_commands_have_the_same_axes() -> None:
+    six = ik.Robot.load("strawberry6")
+    assert StrawberryRig.joint_names == six.joint_names
+    q = ARM.solve(TARGETS[0]).q
+    axes = {step.axis for step in ARM.commands(q, psi=0.1)}
+    assert axes == {*StrawberryRig.joint_names, six.end_effector.servo}
 
 
 def test_base_moves_by_yaw_cost_least() -> None:
