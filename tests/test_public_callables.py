@@ -20,7 +20,7 @@ import pytest
 
 import agrik_fast as ik
 from agrik_fast import _native
-from agrik_fast.arms import StrawberryArm, TomatoArm
+from agrik_fast.arms import PointMass, StrawberryArm, TomatoArm
 from agrik_fast.collision import (
     Body,
     Box,
@@ -59,7 +59,7 @@ ELSEWHERE = (
 RECORDS = (BaseException, tuple, int, pydantic.BaseModel)
 # Records that the library makes and nobody else.
 ANSWERS = {
-    "Arrival", "Branches", "Command", "DhRow", "Distances", "ExcludedPair", "IkResult",
+    "Arrival", "Branches", "Command", "Commands", "DhRow", "Distances", "ExcludedPair", "IkResult",
     "LinkStatistics", "PacedResult", "Path", "Report", "RigStatus", "Run", "SelfPairs",
     "Straightened", "StrawberryResult", "TomatoBranches", "TomatoResult", "Torques",
 }  # fmt: skip
@@ -153,7 +153,9 @@ ARGUMENTS: dict[str, Any] = {
     "method": "transpose",
     "n": 1,
     "name": "a name",
+    "link": "tool",
     "mass": 0.1,
+    "masses": [PointMass(link="tool", mass=0.1)],
     "speed": 1.0,
     "torque": 1.0,
     "name_or_path": "ur5",

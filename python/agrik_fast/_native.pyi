@@ -237,11 +237,12 @@ class Chain:
     def jacobian(self, q: ArrayLike) -> NDArray[np.float64]:
         """Return geometric Jacobians, shape (..., 6, dof), linear rows first."""
 
-    def frozen_gain(self) -> NDArray[np.float64]:
+    def frozen_gain(self, per_radian: float | None = None) -> NDArray[np.float64]:
         """Return the gain that feedback solvers without matrices start from.
 
-        Half a pseudo-inverse for positions, in the middle of the limits or where the arm is
-        not singular; rad or m by m, along the axes of the first link, shape (dof, 3).
+        Half a pseudo-inverse, in the middle of the limits or where the arm is not singular;
+        rad or m by m, along the axes of the first link, shape (dof, 3) for positions. With
+        the length (m) that a radian counts as: shape (dof, 6), for poses.
         """
 
     def ik(
@@ -1012,8 +1013,13 @@ class StrawberryArm:
     def commands(self, q: ArrayLike, psi: float, h_extra: float) -> list[tuple[str, float]]:
         """Return the steps of remark 3 to a pose: (axis, target) pairs."""
 
-    def suggest_base_shift(self, targets: ArrayLike, may_move: list[bool]) -> NDArray[np.float64]:
-        """Return the smallest platform translations, shape (..., 3), m; NaN where none helps."""
+    def suggest_base_shift(
+        self, targets: ArrayLike, may_move: list[bool], within: float = 1e-8
+    ) -> NDArray[np.float64]:
+        """Return the smallest platform translations but for `within`, m; NaN where none helps.
+
+        Shape (..., 3).
+        """
 
 @final
 class TomatoArm:
@@ -1081,7 +1087,12 @@ def ik_paced(
         The record.
     """
 
-def ik_record(q: ArrayLike, status: ArrayLike, position_error: ArrayLike) -> IkResult:
+def ik_record(
+    q: ArrayLike,
+    status: ArrayLike,
+    position_error: ArrayLike,
+    iterations: ArrayLike | None = None,
+) -> IkResult:
     """Return the common record of answers that were found outside the core.
 
     Parameters
@@ -1092,6 +1103,8 @@ def ik_record(q: ArrayLike, status: ArrayLike, position_error: ArrayLike) -> IkR
         Codes of `agrik_fast.Status`.
     position_error : array_like, shape (...), m
         Distances.
+    iterations : array_like, shape (...), optional
+        Steps taken; none if not given.
 
     Returns
     -------
@@ -1116,6 +1129,7 @@ class Tuner:
         start: str,
         max_iterations: int,
         tolerance: float,
+        orientation_tolerance: float = 1e-6,
         threads: int | None = None,
     ) -> Tuner:
         """Prepare a search.
@@ -1126,8 +1140,8 @@ class Tuner:
             The arm.
         solver : StateSpace, StaticGain or IkPid
             Gains to start from.
-        goals : array_like, shape (n, 3), m
-            Training goals.
+        goals : array_like, shape (n, 3), m, or (n, 4, 4)
+            Training goals: tool points, or poses.
         shape : {"input", "diagonal", "full"}
             Free entries of a state space.
         method : {"pso", "cma"}
@@ -1144,6 +1158,8 @@ class Tuner:
             Steps of an attempt.
         tolerance : float
             Distance that counts as reached, m.
+        orientation_tolerance : float
+            Angle that counts as reached, rad; for poses.
         threads : int, optional
             Number of threads.
 

@@ -23,7 +23,10 @@ from agrik_fast.robot._definition import from_robot_file
 GOLDEN = json.loads(
     (Path(__file__).parents[1] / "data" / "golden_kinematics.json").read_text(encoding="utf-8")
 )
-NAMES = ("cucumber", "hydrolek", "panda", "puma560", "redundant7", "strawberry", "tomato", "ur5")
+NAMES = (
+    *("cucumber", "hydrolek", "panda", "puma560", "redundant7"),
+    *("strawberry", "strawberry6", "tomato", "ur5"),
+)
 PEERS = {"redundant7": "R7", "hydrolek": "H6", "puma560": "P6", "ur5": "UR5", "panda": "Panda"}
 
 Load = Callable[[str], ik.Robot]

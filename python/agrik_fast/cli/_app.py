@@ -316,6 +316,9 @@ def tune(
         typer.Option(help="pso (particle swarm, the default) or cma (CMA-ES, that of ik-pid)."),
     ] = None,
     start: Annotated[str, typer.Option(help="Where attempts start: zero or middle.")] = "zero",
+    task: Annotated[
+        str, typer.Option(help="What the gains are for: position or pose.")
+    ] = "position",
     goals: Annotated[
         int | None, typer.Option(min=1, help="Training goals: 3000, or 600 for ik-pid.")
     ] = None,
@@ -330,6 +333,15 @@ def tune(
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the search and its goals.")] = 0,
     tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-3,
+    tol_rad: Annotated[
+        float, typer.Option(help="Orientation tolerance in radians, for poses.")
+    ] = 1e-2,
+    rotation_length: Annotated[
+        float | None,
+        typer.Option(
+            help="Poses: metres that a radian of error counts as; 0.3 of the reach if not given."
+        ),
+    ] = None,
     base_link: _options.BaseLink = None,
     tip_link: _options.TipLink = None,
     tool: _options.Tool = None,
@@ -364,7 +376,10 @@ def tune(
             start=start,
             runs=runs,
             seed=seed,
+            task=task,
             tolerance=tol,
+            orientation_tolerance=tol_rad,
+            rotation_length=rotation_length,
             threads=threads,
             **{name: value for name, value in given.items() if value is not None},
         )

@@ -63,6 +63,9 @@ def describe(robot: Robot) -> str:
     ]
     if robot.dh is not None:
         blocks.append(_dh(robot))
+    if robot.end_effector is not None:
+        hand = robot.end_effector
+        blocks.append(f"End effector\n  servo {hand.servo} moves {', '.join(hand.moves)}")
     if robot.frames:
         blocks.append(_frames(robot))
     if robot.source:

@@ -15,7 +15,14 @@ from .._checks import FloatArray, float_array, real_number, shown, text, whole_n
 from ..errors import ArgumentError
 from . import _prepared, _sources
 from ._collision import CollisionBodies
-from ._definition import Definition, UrdfSolids, from_robot_file, from_urdf, urdf_solids
+from ._definition import (
+    Definition,
+    EndEffector,
+    UrdfSolids,
+    from_robot_file,
+    from_urdf,
+    urdf_solids,
+)
 from ._dh_rows import CONVENTIONS, DhRow, read_table
 from ._inverse import PREFERENCES as PREFERENCES
 from ._inverse import InverseKinematics
@@ -448,6 +455,11 @@ class Robot(InverseKinematics, CollisionBodies):
         ``robot.frames["paper"] @ robot.fk(q)`` is the tool in the frame "paper".
         """
         return {name: pose.copy() for name, pose in self._definition.frames.items()}
+
+    @property
+    def end_effector(self) -> EndEffector | None:
+        """The servo at the arm's end and the parts that it moves; None if nothing is known."""
+        return self._definition.end_effector
 
     # -- what it does ------------------------------------------------------------------
 

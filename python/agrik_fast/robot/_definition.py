@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,21 @@ from ._sources import Source
 if TYPE_CHECKING:
     from .._native import JointSpec
     from ._file import RobotFile
+
+
+class EndEffector(NamedTuple):
+    """What an arm carries at its end.
+
+    Attributes
+    ----------
+    servo : str
+        Name of the one servo, as in command sequences.
+    moves : tuple of str
+        Parts that it opens and closes together.
+    """
+
+    servo: str
+    moves: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -58,6 +73,7 @@ class Definition:
     """Bodies put on at run time."""
     urdf: UrdfGeometry | None = None
     """Where the bodies of a URDF are to be read."""
+    end_effector: EndEffector | None = None
 
     def build(self) -> _native.Chain:
         """Compile the chain."""
@@ -145,6 +161,7 @@ def from_robot_file(path: Path) -> Definition:
 
     content = read(path)
     method, arguments, dh = _dh(content) if content.dh else _joints(content)
+    hand = content.end_effector
     return Definition(
         method=method,
         arguments=arguments,
@@ -161,6 +178,7 @@ def from_robot_file(path: Path) -> Definition:
         home=content.home(),
         bodies=bodies_of(content.collision, content.provenance),
         rules=content.collision_rules.rules(),
+        end_effector=None if hand is None else EndEffector(hand.servo, tuple(hand.moves)),
     )
 
 
@@ -200,5 +218,7 @@ def _provenance(content: RobotFile) -> dict[str, str]:
     tables: list[tuple[str, Mapping[str, str]]] = [("base", content.base.provenance)]
     tables += [(row.name, row.provenance) for row in (*content.dh, *content.joint)]
     tables += [("tool", content.tool.provenance)]
+    if content.end_effector is not None:
+        tables += [("end_effector", content.end_effector.provenance)]
     tables += [(f"frames.{name}", table.provenance) for name, table in content.frames.items()]
     return {f"{place}.{key}": note for place, notes in tables for key, note in notes.items()}

@@ -178,6 +178,17 @@ class JointTable(_Row, TransformTable):
     """Rule, if the joint follows another."""
 
 
+class EndEffectorTable(_Table):
+    """What the arm carries at its end and what drives it."""
+
+    servo: _Name
+    """Name of the one servo, as in command sequences."""
+    moves: Annotated[list[_Name], Field(min_length=1)]
+    """Names of the parts that it opens and closes together."""
+    provenance: dict[str, str] = {}
+    """Where the names are from: mark, or mark and text."""
+
+
 class SourceTable(_Table):
     """Where the robot's description is from."""
 
@@ -222,6 +233,8 @@ class RobotFile(_Table):
     """First link's frame in the frame that poses are given in."""
     tool: TransformTable = TransformTable()
     """Tool in the last link's frame."""
+    end_effector: EndEffectorTable | None = None
+    """What is at the arm's end, if it is more than a point."""
     frames: dict[str, TransformTable] = {}
     """Further frames: each transform leads from poses of this file to that frame."""
     dh: Annotated[list[DhTable], Field(max_length=_ROWS)] = []
@@ -311,6 +324,7 @@ _TABLES: dict[str, type[BaseModel]] = {
     "tool": TransformTable,
     "frames": TransformTable,
     "source": SourceTable,
+    "end_effector": EndEffectorTable,
     "dh": DhTable,
     "joint": JointTable,
     "collision": CollisionTable,

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from .._bodies import Body, BodyShape, Box, Capsule, CollisionRules, Convex, Cover, Sphere
-from ._definition import Definition
+from ._definition import Definition, EndEffector
 from ._dh_rows import DhRow
 
 __all__ = ["read", "text"]
@@ -45,11 +45,16 @@ def read(path: Path) -> Definition | None:
             "dh": None if rows is None else tuple(DhRow(*row) for row in rows),
             "frames": {name: np.array(pose) for name, pose in fields["frames"].items()},
             "notes": tuple(fields["notes"]),
+            "end_effector": _hand(fields["end_effector"]),
             "bodies": tuple(_body(body) for body in fields["bodies"]),
             "rules": CollisionRules(**fields["rules"]),
             "attached": (),
         }
     )
+
+
+def _hand(fields: list[Any] | None) -> EndEffector | None:
+    return None if fields is None else EndEffector(fields[0], tuple(fields[1]))
 
 
 def _body(fields: dict[str, Any]) -> Body:

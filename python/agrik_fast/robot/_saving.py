@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _atomic, _checks
+from .._bodies import Body, CollisionRules, Cover
 from .._checks import truth_value
 from .._native import Chain
 from ..errors import AgrikError, ArgumentError, RobotFileError
@@ -62,8 +63,33 @@ def tables(definition: Definition, chain: Chain) -> dict[str, Any]:
         if row["name"] in definition.home:
             unit = "m" if row["type"] == "prismatic" else "rad"
             row[f"home_{unit}"] = definition.home[row["name"]]
+    if definition.end_effector is not None:
+        servo, moves = definition.end_effector
+        content["end_effector"] = {"servo": servo, "moves": list(moves)}
     _explain(content, definition.provenance)
-    return {key: value for key, value in content.items() if value != {}}
+    if definition.urdf is None:
+        content["collision"] = [_body(body) for body in definition.bodies]
+        content["collision_rules"] = _rules(definition.rules)
+    return {key: value for key, value in content.items() if value not in ({}, [])}
+
+
+def _body(body: Body) -> dict[str, Any]:
+    shape = {
+        f"{name}_m" if name not in ("rotation", "level", "split") else name: _listed(value)
+        for name, value in vars(body.shape).items()
+    }
+    table = {"name": body.name, "frame": body.frame, "shape": type(body.shape).__name__.lower()}
+    if body.overestimate is not None and not isinstance(body.shape, Cover):
+        table["overestimate_m"] = body.overestimate
+    return table | shape
+
+
+def _rules(rules: CollisionRules) -> dict[str, Any]:
+    return {name: _listed(value) for name, value in vars(rules).items() if value}
+
+
+def _listed(value: Any) -> Any:
+    return [_listed(x) for x in value] if isinstance(value, tuple) else value
 
 
 def _transform(pose: NDArray[np.float64]) -> dict[str, Any]:

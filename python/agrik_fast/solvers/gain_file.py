@@ -134,6 +134,8 @@ class SuccessTable(_Table):
     """Goals reached."""
     tolerance_m: Annotated[FiniteFloat, Field(gt=0)]
     """Distance that counts as reached, m."""
+    tolerance_rad: Annotated[FiniteFloat, Field(gt=0)] | None = None
+    """Angle that counts as reached, rad, where the goals are poses."""
     max_iterations: _Number
     """Steps allowed."""
     mean_iterations: Annotated[FiniteFloat, Field(ge=0)] | None = None

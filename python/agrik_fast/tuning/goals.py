@@ -12,7 +12,13 @@ from .._checks import FloatArray, real_number, whole_number
 from .._splitmix import uniform
 from ..robot import Robot
 
-__all__ = ["joint_uniform", "joint_uniform_q", "splitmix64", "volume_uniform"]
+__all__ = [
+    "joint_uniform",
+    "joint_uniform_poses",
+    "joint_uniform_q",
+    "splitmix64",
+    "volume_uniform",
+]
 
 
 def splitmix64(seed: int, count: int) -> FloatArray:
@@ -49,6 +55,11 @@ def joint_uniform_q(robot: Robot, count: int, seed: int) -> FloatArray:
 def joint_uniform(robot: Robot, count: int, seed: int) -> FloatArray:
     """Return tool points at postures uniform in the limits, shape (count, 3), m."""
     return robot.fk(joint_uniform_q(robot, count, seed))[:, :3, 3]
+
+
+def joint_uniform_poses(robot: Robot, count: int, seed: int) -> FloatArray:
+    """Return poses at postures uniform in the limits, shape (count, 4, 4), m."""
+    return robot.fk(joint_uniform_q(robot, count, seed))
 
 
 def volume_uniform(

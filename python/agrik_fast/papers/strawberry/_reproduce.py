@@ -7,9 +7,9 @@ from pathlib import Path
 
 from ..._checks import word
 from ...arms import StrawberryArm
-from . import _figures
+from . import _figures, _mechanism
 from ._published import FIGURE_TARGET, Column
-from ._tables import write_tables
+from ._write import write_tables
 
 EXPERIMENTS = ("model", "firmware")
 """How the 24 experiments can be done."""
@@ -21,7 +21,7 @@ def reproduce(
     report: Callable[[str], None] | None = None,
     experiments: str = "model",
 ) -> list[Path]:
-    """Write tables 3 and 4, figures 2 and 4-6, table 4's poses and the 24 experiments.
+    """Write tables 3 and 4, figures 1 to 6, the 24 experiments, P1 and the NCOS's starts.
 
     Parameters
     ----------
@@ -52,7 +52,9 @@ def reproduce(
     say("tables and experiments")
     files = write_tables(directory, arm)
     say("figures")
+    files += _mechanism.figure1(directory)
     files += _figures.figure2(directory)
+    files += _mechanism.figure3(directory)
     poses: dict[str, Column] = {
         "figure4": "as",
         "figure5": "ssas",

@@ -7,13 +7,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from ...arms import StrawberryArm
-from .._output import best_seconds, write_csv, write_text
 from ._experiments import (
     GRIPPER_TIME,
     H_EXTRA,
@@ -79,21 +77,6 @@ def table3(arm: StrawberryArm | None = None, *, printed: bool = False) -> list[C
     return cells
 
 
-def times_ns(arm: StrawberryArm) -> dict[Column, list[float]]:
-    """Return the time of each target of table 3, ns, by method.
-
-    Of the closed forms in a batch of the same target, of NCOS alone.
-    """
-    found: dict[Column, list[float]] = {column: [] for column in COLUMNS}
-    for point in targets():
-        many = np.tile(point, (4000, 1))
-        for column in COLUMNS:
-            batch, repeats = (point[None], 2) if column == "ncos" else (many, 5)
-            seconds = best_seconds(lambda: arm.solve(batch, column), repeats)  # noqa: B023
-            found[column].append(1e9 * seconds / len(batch))
-    return found
-
-
 def match_report(cells: Sequence[Cell], times: dict[Column, list[float]]) -> list[str]:
     """Return in Markdown which cells of table 3 match, which do not, and the times."""
     rows = published()
@@ -139,7 +122,7 @@ def match_report(cells: Sequence[Cell], times: dict[Column, list[float]]) -> lis
     return lines
 
 
-def _table3_rows(
+def table3_rows(
     cells: Sequence[Cell], times: dict[Column, list[float]]
 ) -> list[tuple[object, ...]]:
     """Return the lines of ``table3.csv``; what the paper does not have is empty."""
@@ -150,8 +133,11 @@ def _table3_rows(
         i, name = cell.row - 1, cell.column.upper()
         above = 100 * (cell.energy_mj / least[cell.row] - 1)
         theirs: tuple[object, ...] = ("", "", "", "", "")
+        saved = 100 * (1 - times[cell.column][i] / times["ncos"][i])
+        saved_printed: object = ""
         if cell.column != "exact":
             printed = rows[i].get(f"dJ_{name}_pct", 0.0), rows[i][f"t_{name}"]
+            saved_printed = rows[i].get(f"dt_{name}_pct", 0.0)
             residual = f"{cell.residual_mj:.4f}"
             theirs = cell.published_mj, residual, cell.matches, *printed
         lines.append(
@@ -165,12 +151,14 @@ def _table3_rows(
                 theirs[3],
                 f"{times[cell.column][i] / 1e9:.3g}",
                 theirs[4],
+                f"{saved:.4f}",
+                saved_printed,
             )
         )
     return lines
 
 
-def _table4_rows(arm: StrawberryArm) -> list[tuple[object, ...]]:
+def table4_rows(arm: StrawberryArm) -> list[tuple[object, ...]]:
     """Return the lines of ``table4.csv``: the poses, and how long they take to reach."""
     lines: list[tuple[object, ...]] = []
     for target, seconds in zip(TABLE4_TARGETS, PUBLISHED_TABLE4_S, strict=True):
@@ -190,43 +178,6 @@ def _table4_rows(arm: StrawberryArm) -> list[tuple[object, ...]]:
                 )
             )
     return lines
-
-
-def write_tables(directory: Path, arm: StrawberryArm) -> list[Path]:
-    """Write tables 3 and 4, the experiments and the report; return the files."""
-    cells = table3(arm)
-    times = times_ns(arm)
-    runs = experiments()
-    steps = []
-    for run in runs:
-        shown = [f"{step.axis}={step.target:.5f}" for step in run.steps]
-        point = [f"{1000 * x:.1f}" for x in run.target]
-        steps.append((run.number, *point, run.quadrant, run.column, f"{run.seconds:.3f}", *shown))
-    report = [*match_report(cells, times), "", *experiment_report(runs)]
-    energies = ["J_mJ", "J_published_mJ", "residual_mJ", "matches"]
-    more = ["above_ncos_percent", "above_ncos_published_percent", "time_s", "time_published_s"]
-    pose = ["s10_mm", "s21_mm", "s32_mm", "theta_deg", "beta_deg"]
-    return [
-        write_csv(
-            directory / "table3.csv",
-            ["row", "x_mm", "y_mm", "z_mm", "column", *energies, *more],
-            _table3_rows(cells, times),
-        ),
-        write_csv(
-            directory / "table4.csv",
-            ["x_mm", "y_mm", "z_mm", "column", *pose, "J_mJ", "time_s", "time_published_s"],
-            _table4_rows(arm),
-        ),
-        write_csv(
-            directory / "experiments.csv",
-            [
-                *("run", "x_mm", "y_mm", "z_mm", "quadrant", "column", "time_s"),
-                *(f"step{i}_m_or_rad" for i in range(1, 10)),
-            ],
-            steps,
-        ),
-        write_text(directory / "report.md", report),
-    ]
 
 
 def experiment_report(runs: Sequence[Experiment]) -> list[str]:

@@ -209,9 +209,12 @@ impl Chain {
         kinematics::jacobian(&self.0, q)
     }
 
-    /// Gain that feedback solvers without matrices start from, for positions.
-    fn frozen_gain<'py>(&self, py: Python<'py>) -> Array<'py> {
-        let gain = agrik::solve::frozen_gain(&self.0).map_err(|e| errors::from_core(py, e))?;
+    /// Gain that feedback solvers without matrices start from: for positions, or with the
+    /// length that a radian counts as for poses.
+    #[pyo3(signature = (per_radian=None))]
+    fn frozen_gain<'py>(&self, py: Python<'py>, per_radian: Option<f64>) -> Array<'py> {
+        let gain =
+            agrik::solve::frozen_gain(&self.0, per_radian).map_err(|e| errors::from_core(py, e))?;
         array(py, &[gain.rows(), gain.columns], gain.values)
     }
 

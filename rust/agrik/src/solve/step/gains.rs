@@ -9,7 +9,7 @@ use crate::call::{Aim, Measure};
 use crate::chain::{Chain, JointKind, Tail};
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, columns, forward};
-use crate::task::{FramedRows, MaskFrame, PositionRows};
+use crate::task::{FramedRows, MaskFrame, PoseRows, PositionRows};
 
 /// Singular values of a frozen Jacobian below this share of the largest are left out.
 const FROZEN_CUTOFF: f64 = 1e-2;
@@ -365,15 +365,22 @@ fn decomposed(jacobian: DMatrix<f64>, vectors: bool) -> Result<SVD<f64, Dyn, Dyn
         .ok_or_else(|| no_inverse("one whose singular values do not settle"))
 }
 
-/// The gain that feedback laws without matrices start from, for positions: joint values (rad
-/// or m) by metres of error along the axes of the chain's first link.
-pub fn frozen_gain(chain: &Chain) -> Result<Matrix> {
+/// The gain that feedback laws without matrices start from: joint values (rad or m) by metres
+/// of error along the axes of the chain's first link. With `per_radian` (m) for poses: three
+/// more columns for the orientation, of which a radian counts as so many metres.
+pub fn frozen_gain(chain: &Chain, per_radian: Option<f64>) -> Result<Matrix> {
     let tail = &chain.compiled().tail;
-    let measure = Measure::Position(PositionRows);
-    let around = Around { chain, measure, tail, rotation_scale: 1.0 };
+    let rotation_scale = per_radian.unwrap_or(1.0);
+    let measure = match per_radian {
+        Some(scale) => Measure::Pose(PoseRows { scale, onward: None }),
+        None => Measure::Position(PositionRows),
+    };
+    let around = Around { chain, measure, tail, rotation_scale };
     let mut gain = around.frozen()?;
-    let turned = &gain * chain.base().rotation.matrix();
-    gain.copy_from(&turned);
+    for block in 0..gain.ncols() / 3 {
+        let turned = gain.columns(3 * block, 3) * chain.base().rotation.matrix();
+        gain.columns_mut(3 * block, 3).copy_from(&turned);
+    }
     Ok(Matrix::of(&gain))
 }
 
