@@ -35,6 +35,8 @@ mod _native {
     #[pymodule_export]
     use errors::_panic;
     #[pymodule_export]
+    use harvest::programme::HarvestProgramme;
+    #[pymodule_export]
     use harvest::station::{HarvestStation, harvest_words};
     #[pymodule_export]
     use ik::branches::Branches;

@@ -35,6 +35,29 @@ fn targets(
     Ok(each.map(|((point, objects), name)| Target { name, point: *point, objects }).collect())
 }
 
+/// How bodies meet the crop: as they are without a level.
+pub fn mode(
+    py: Python<'_>,
+    level: Option<&Bound<'_, PyAny>>,
+    split: Option<&str>,
+) -> PyResult<Mode> {
+    let Some(level) = level else { return Ok(Mode::Exact) };
+    let level = whole("level", level, 0, 3)? as usize;
+    let split = match split {
+        None | Some("equal") => Split::Equal,
+        Some("near-cubic") => Split::NearCubic,
+        Some(other) => {
+            return Err(errors::unknown_name(py, "split", other, &["equal", "near-cubic"]));
+        }
+    };
+    Ok(Mode::Tree { level, split })
+}
+
+/// What of a scene is crop, and who minds what.
+pub fn roles(statics: Vec<usize>, skip: Vec<(usize, usize)>, touching: Vec<usize>) -> Roles {
+    Roles { statics, skip, touching }
+}
+
 #[pymethods]
 impl HarvestStation {
     /// Put an arm with bodies into a crop.
@@ -51,22 +74,7 @@ impl HarvestStation {
         level: Option<&Bound<'_, PyAny>>,
         split: Option<&str>,
     ) -> PyResult<Self> {
-        let mode = match level {
-            None => Mode::Exact,
-            Some(level) => {
-                let level = whole("level", level, 0, 3)? as usize;
-                let split = match split {
-                    None | Some("equal") => Split::Equal,
-                    Some("near-cubic") => Split::NearCubic,
-                    Some(other) => {
-                        let known = ["equal", "near-cubic"];
-                        return Err(errors::unknown_name(py, "split", other, &known));
-                    }
-                };
-                Mode::Tree { level, split }
-            }
-        };
-        let roles = Roles { statics, skip: static_skip, touching };
+        let (roles, mode) = (roles(statics, static_skip, touching), mode(py, level, split)?);
         let (bodies, scene) = (bodies.get().core(), scene.get().core());
         harvest::Station::new(bodies, scene, &roles, mode)
             .map(Self)
@@ -185,7 +193,7 @@ impl HarvestStation {
 }
 
 /// One column of a record.
-fn put<'py, S, T: numpy::Element + Copy>(
+pub fn put<'py, S, T: numpy::Element + Copy>(
     py: Python<'py>,
     out: &Bound<'py, PyDict>,
     name: &str,
