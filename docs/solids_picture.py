@@ -16,7 +16,6 @@ KINDS = {
     "fruit": "#2f6b2f",
     "stem": "#6b8e4e",
     "stalk": "#6b8e4e",
-    "wire": "#999999",
     "pipe": "#b0b0b0",
     "machine": "#c9c9c9",
 }
@@ -80,19 +79,14 @@ def draw(axis, shapes, color, alpha=1.0):
     for size in {len(part[0]) for part in found if len(part)}:
         faces = np.concatenate([part for part in found if len(part) and len(part[0]) == size])
         axis.add_collection3d(
-            Poly3DCollection(faces, facecolor=color, edgecolor="none", alpha=alpha, shade=True)
+            Poly3DCollection(faces, facecolors=color, alpha=alpha, shade=True)
         )
 
 
 def placed(arm, q):
-    """Return the bodies of an arm where they are at a posture."""
-    frames = arm.fk_links(q)
-    base = arm.frames.get("none", np.eye(4))
-    return [
-        body.shape.moved(tidy(frames[number - 1] if number else base))
-        for body in arm.bodies
-        if (number := arm.frame_number(body.frame)) or not np.any(base[:3, 3])
-    ]
+    """Return the bodies of an arm where they are at a posture; its base is that of the poses."""
+    frames = [np.eye(4), *arm.fk_links(q)]
+    return [body.shape.moved(tidy(frames[arm.frame_number(body.frame)])) for body in arm.bodies]
 
 
 def tidy(pose):
@@ -144,32 +138,37 @@ def draw_bodies(file, save):
 
 def draw_greenhouse(file, save):
     """Draw the cucumber arm at a fruit, as it would reach it and as it keeps clear of leaves."""
-    arm, scene = ik.Robot.load("cucumber"), greenhouse(1, clear_band=(0.65, 1.3))
+    arm, scene = ik.Robot.load("cucumber"), greenhouse(2, 5, 12)
     aim = scene.aiming_at("F1_0")
     target = np.eye(4)
-    target[:3, :3] = [[0, 0, 1], [0, -1, 0], [1, 0, 0]]
     target[:3, 0], target[:3, 1], target[:3, 2] = (0, 0, -1), (0, 1, 0), (1, 0, 0)
     target[:3, 3] = scene.targets["F1_0"].point
     turned = [target @ turn_about_x(angle) for angle in np.radians(np.arange(-60, 61, 5))]
     poses = np.array(turned)
     plain, free = arm.ik(poses), arm.ik(poses, scene=aim, prefer="clearance")
-    hits = aim.collides(arm, plain.q) & plain.success
-    row = int(np.flatnonzero(hits & free.success)[0]) if (hits & free.success).any() else 0
+    hits = (aim.clearance(arm, plain.q) <= 0.0) & plain.success
+    # Both reach the fruit from the same side, and one of them goes through leaves.
+    gaps = np.where(hits & free.success, aim.clearance(arm, free.q), -1.0)
+    row = int(gaps.argmax())
+    assert gaps[row] > 0.0
     figure = plt.figure(figsize=(10, 5.6))
     for place, (q, words) in enumerate(
         [(plain.q[row], "without a scene"), (free.q[row], "with the scene")], start=1
     ):
         axis = figure.add_subplot(1, 2, place, projection="3d")
         for one in scene.objects:
-            if one.kind in KINDS and not one.name.startswith("string"):
+            if one.kind in KINDS:
                 draw(axis, one.shapes(), KINDS[one.kind], 0.35 if one.kind == "machine" else 1.0)
         found = aim.distances(arm, q)
         for shape, gap in zip(placed(arm, q), found.distance, strict=True):
             draw(axis, [shape], RUST if gap <= 0 else BLUE, 0.9)
-        gap = float(aim.clearance(arm, q))
-        axis.set_title(f"{words}: {1e3 * gap:.0f} mm from the nearest object", fontsize=9)
+        gap, body = float(found.distance.min()), int(found.distance.argmin())
+        what = f"{found.bodies[body]}, {1e3 * gap:.0f} mm from {found.object_names[body]}"
+        if gap <= 0:
+            what = f"{found.bodies[body]} hits {found.object_names[body]}"
+        axis.set_title(f"{words}: {what}", fontsize=9)
         frame_box(axis, (-0.4, -0.7, 0.2), (1.0, 0.8, 1.9))
-        axis.view_init(18, -160)
+        axis.view_init(24, -130)
     figure.subplots_adjust(left=0.0, right=0.98, bottom=0.0, top=0.95, wspace=0.02)
     save(figure, file, dpi=110)
 
@@ -187,7 +186,7 @@ def draw_clearance(file, save):
     arm = ik.Robot.load("panda")
     scene = Scene.load(Path(__file__).parents[1] / "examples" / "scenes" / "bench.toml")
     share = np.linspace(0.0, 1.0, 301)[:, None]
-    start, goal = np.array([[-1.2, 0.5, 0, -1.6, 0, 2.0, 0.8], [1.2, 0.6, 0, -1.4, 0, 2.0, 0.8]])
+    start, goal = arm.random_q(2, seed=2)
     q = start + share * (goal - start)
     found = scene.distances(arm, q)
     figure, axis = plt.subplots(figsize=(8, 3.4), layout="constrained")
@@ -204,7 +203,7 @@ def draw_clearance(file, save):
             axis.annotate(nearest[middle], (share[middle, 0], 1e3 * least[middle]), fontsize=8,
                           xytext=(0, -12), textcoords="offset points", ha="center")  # fmt: skip
     axis.axhline(0.0, color=RUST, linewidth=0.8)
-    axis.set_ylim(-60, 260)
+    axis.set_ylim(-20, 260)
     axis.set_xlabel("share of the move")
     axis.set_ylabel("distance [mm]")
     axis.legend(fontsize=7, ncols=2)

@@ -21,6 +21,19 @@ import pytest
 import agrik_fast as ik
 from agrik_fast import _native
 from agrik_fast.arms import StrawberryArm, TomatoArm
+from agrik_fast.collision import (
+    Body,
+    Box,
+    Capsule,
+    Cloud,
+    Convex,
+    Cover,
+    HalfSpace,
+    Scene,
+    SceneObject,
+    Sphere,
+    Target,
+)
 from agrik_fast.errors import AgrikError
 from agrik_fast.tuning import Tuning
 
@@ -31,8 +44,9 @@ ELSEWHERE = ("agrik_fast.cli", "agrik_fast.io", "agrik_fast.jobs", "agrik_fast.p
 RECORDS = (BaseException, tuple, int, pydantic.BaseModel)
 # Records that the library makes and nobody else.
 ANSWERS = {
-    "Branches", "Command", "DhRow", "IkResult", "PacedResult", "Path", "Report", "Straightened",
-    "StrawberryResult", "TomatoBranches", "TomatoResult", "Torques",
+    "Branches", "Command", "DhRow", "Distances", "ExcludedPair", "IkResult", "PacedResult", "Path",
+    "Report", "SelfPairs", "Straightened", "StrawberryResult", "TomatoBranches", "TomatoResult",
+    "Torques",
 }  # fmt: skip
 # Objects and files, for which nothing but their own kind makes sense: what is none at all is the
 # type checker's business, as it is for `Robot(definition)`, which users do not call.
@@ -47,6 +61,10 @@ COUNTS = {"count", "draws", "n"}
 
 ARM = ik.Robot.load("redundant7")
 POSES = ARM.fk(ARM.random_q(2, seed=1))
+SCENE = Scene(
+    [SceneObject.of("a name", Sphere((0.4, 0.4, 0.4), 0.1))],
+    targets={"a name": Target((0.4, 0.4, 0.4))},
+)
 
 
 @functools.cache
@@ -57,6 +75,14 @@ def receivers() -> dict[type, Any]:
         _native.TargetSolver: ARM.solver(),
         StrawberryArm: StrawberryArm(),
         TomatoArm: TomatoArm(),
+        Scene: SCENE,
+        SceneObject: SCENE.objects[0],
+        Sphere: Sphere((0, 0, 0), 1),
+        Capsule: Capsule((0, 0, 0), (0, 0, 1), 1),
+        Box: Box((0, 0, 0), (1, 1, 1)),
+        Cover: Cover((0, 0, 0), (1, 1, 1)),
+        Convex: Convex(((0, 0, 0),)),
+        HalfSpace: HalfSpace((0, 0, 1), 0),
     }
 
 
@@ -64,6 +90,30 @@ def receivers() -> dict[type, Any]:
 ARGUMENTS: dict[str, Any] = {
     "a": np.zeros(3),
     "angles": np.zeros(3),
+    "arm": ARM,
+    "at_stem": np.ones(3),
+    "bodies": [Body("a body", 1, Sphere((0, 0, 0), 0.01))],
+    "centre": np.zeros(3),
+    "cloud": Cloud(np.zeros((3, 3)), 0.1, [1, 1, 2]),
+    "document": {"unit": "m"},
+    "foot": np.zeros(3),
+    "fruit_top": np.zeros(3),
+    "half": np.ones(3),
+    "length": 0.3,
+    "normal": np.ones(3),
+    "objects": [],
+    "offset": 0.1,
+    "pitch": np.ones(3),
+    "plant": SCENE.objects,
+    "point": np.zeros(3),
+    "points": np.zeros((3, 3)),
+    "radii": 0.1,
+    "radius": 0.1,
+    "scene": SCENE,
+    "shape": Sphere((0, 0, 0), 0.01),
+    "top": np.ones(3),
+    "unit": "m",
+    "vertices": np.eye(3),
     "axis_angle": np.zeros(3),
     "b": np.zeros(3),
     "beta": 1.0,
@@ -108,6 +158,10 @@ EXACTLY: dict[str, Any] = {
     "Tuning.solver": "state-space",
     "usual.solver": "state-space",
     "tune.robot": ik.Robot.load("hydrolek"),
+    "Body.frame": 1,
+    "aiming_at.target": "a name",
+    "row.pitch": np.ones(3),
+    "stem.foot": np.zeros(3),
 }
 
 

@@ -273,7 +273,7 @@ def test_tools_and_held_objects(load_robot: LoadRobot) -> None:
     q = panda.random_q(1, seed=3)[0]
     tool = panda.fk(q)
     where = tool @ [0, 0, 0.05, 1]
-    scene = Scene([SceneObject.of("ball", Sphere((*where[:3], 0, 0, 0.5), 0.1))])
+    scene = Scene([SceneObject.of("ball", Sphere(where[:3] + np.array([0, 0, 0.5]), 0.1))])
     found = scene.distances(arm, q)
     assert found.distance[-1] == pytest.approx(0.5 - 0.1 - 0.03, abs=1e-12)
     two = panda.attach([fruit, Capsule((0, 0, 0), (0, 0, 0.1), 0.01)], name="part")

@@ -225,7 +225,7 @@ def test_the_target_may_be_touched_near_it_and_only_there(load_robot: LoadRobot)
     assert not aimed.collides(arm, q)
     assert Scene([fruit, leaf], targets=targets).aiming_at("fruit").collides(arm, q)
     # The same fruit on the way there is an obstacle.
-    elsewhere = {"fruit": Target((*tool, 0, 0, 0.2), ("fruit",))}
+    elsewhere = {"fruit": Target(tool + np.array([0, 0, 0.2]), ("fruit",))}
     assert Scene([fruit], targets=elsewhere).aiming_at("fruit").collides(arm, q)
     wide = Scene([fruit], targets=elsewhere, touch_radius=0.21)
     assert not wide.aiming_at("fruit").collides(arm, q)

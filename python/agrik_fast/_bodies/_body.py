@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from .._checks import real_number, shown, text, whole_number
+from .._checks import items, real_number, shown, text, whole_number
 from ..errors import ArgumentError
 from ._shapes import BodyShape, Box, Capsule, Convex, Cover, Sphere
 
@@ -93,9 +92,7 @@ class CollisionRules:
     exclude: tuple[Pair, ...] = ()
 
     def __post_init__(self) -> None:
-        names: object = self.may_touch_target
-        if isinstance(names, str) or not isinstance(names, Iterable):
-            raise ArgumentError("may_touch_target", shown(names), "a sequence of names")
+        names = items("may_touch_target", self.may_touch_target, "a sequence of names")
         put = object.__setattr__
         put(self, "may_touch_target", tuple(text("may_touch_target", name) for name in names))
         for field in ("static_skip", "pairs", "exclude"):
@@ -107,15 +104,12 @@ class CollisionRules:
 
 
 def _pairs(field: str, value: object) -> tuple[Pair, ...]:
-    if isinstance(value, str) or not isinstance(value, Iterable):
-        raise ArgumentError(field, shown(value), "pairs of names")
     found = []
-    for pair in value:
-        try:
-            a, b = pair
-        except (TypeError, ValueError):
-            raise ArgumentError(field, shown(pair), "pairs of names") from None
-        found.append((text(field, a), text(field, b)))
+    for pair in items(field, value, "pairs of names"):
+        both = items(field, pair, "pairs of names")
+        if len(both) != 2:
+            raise ArgumentError(field, shown(pair), "pairs of names")
+        found.append((text(field, both[0]), text(field, both[1])))
     return tuple(found)
 
 

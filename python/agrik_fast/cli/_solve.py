@@ -10,7 +10,7 @@ from .._checks import word
 from ..collision import Scene
 from ..errors import ArgumentError, UnknownNameError
 from ..jobs import Progress, SolveRequest, Summary, solve_file
-from ..robot import Prefer
+from ..robot import PREFERENCES, Prefer
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -23,7 +23,6 @@ _OPTIONS = {
     "clear": "--clear",
     "scene": "--scene",
 }
-_PREFERENCES = ("first", "near", "clearance")
 
 
 def parse_axis(option: str, text: str) -> tuple[float, float, float]:
@@ -77,7 +76,7 @@ def parse_preference(text: str) -> Prefer:
     UnknownNameError
         For any other name.
     """
-    return cast("Prefer", word("--prefer", text, _PREFERENCES))
+    return cast("Prefer", word("--prefer", text, PREFERENCES))
 
 
 def solve_words(request: SolveRequest, progress: Progress) -> Summary:

@@ -6,7 +6,7 @@ import csv
 import io
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from os import PathLike, fspath
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks import FloatArray, float_array, real_number, text, truth_value, word
+from .._checks import path as checked_path
+from .._checks import shown as shown_value
 from .._files import Refusal, decode, listing, read_bytes, reading, shown
 from .._npy import Archive
 from ..errors import ArgumentError, SceneFileError
@@ -74,7 +76,10 @@ class Cloud:
         object.__setattr__(self, "points", points.copy())
         object.__setattr__(self, "radii", radii)
         if self.labels is not None:
-            labels = np.asarray(self.labels)
+            try:
+                labels = np.asarray(self.labels)
+            except ValueError:
+                labels = np.zeros(0)
             if labels.shape != (len(points),) or labels.dtype.kind not in "iuU":
                 received = f"shape {labels.shape} of {labels.dtype}"
                 expected = f"shape ({len(points)},) of whole numbers or text"
@@ -122,11 +127,11 @@ def read_cloud(
     ArgumentError
         The path leads to no file of a known kind.
     """
-    file = Path(fspath(path))
+    file = checked_path("path", path)
     if file.suffix not in CLOUD_SUFFIXES:
-        raise ArgumentError("path", repr(fspath(path)), f"a {', '.join(CLOUD_SUFFIXES)} file")
+        raise ArgumentError("path", repr(str(file)), f"a {', '.join(CLOUD_SUFFIXES)} file")
     if not file.is_file():
-        raise ArgumentError("path", f"{fspath(path)!r}, which is no file", "an existing file")
+        raise ArgumentError("path", f"{str(file)!r}, which is no file", "an existing file")
     word("unit", unit, UNITS)
     if radius is not None:
         radius = real_number("radius", radius, 0.0, unit="m")
@@ -209,10 +214,13 @@ def objects_of(
     [('leaf', 2), ('cloud_3', 1)]
     """
     text("name", name)
+    if not isinstance(cloud, Cloud):
+        raise ArgumentError("cloud", shown_value(cloud), "a Cloud")
     rows = np.column_stack([cloud.points, cloud.radii])
     if cloud.labels is None:
+        _known_names(names)
         return [SceneObject(name, kind, removable, spheres=rows)]
-    known = {str(label): one for label, one in dict(names or {}).items()}
+    known = _known_names(names)
     labels, first, which = np.unique(cloud.labels, return_index=True, return_inverse=True)
     order = np.argsort(which, kind="stable")
     ends = np.searchsorted(which[order], np.arange(len(labels) + 1))
@@ -223,6 +231,14 @@ def objects_of(
         mine = rows[order[ends[k] : ends[k + 1]]]
         objects.append(SceneObject(known.get(str(label), own), kind, removable, spheres=mine))
     return objects
+
+
+def _known_names(names: object) -> dict[str, str]:
+    if names is None:
+        return {}
+    if not isinstance(names, Mapping):
+        raise ArgumentError("names", shown_value(names), "a mapping of labels to names")
+    return {str(label): text("names", one) for label, one in names.items()}
 
 
 # ---- columns of each kind of file ----------------------------------------------------------

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from .._bodies import point
-from .._checks import real_number, shown, text, word
+from .._checks import items, real_number, shown, text, word
 from ..errors import ArgumentError
 from ._objects import SceneObject
 
@@ -39,10 +39,8 @@ class Target:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "point", point("point", self.point))
-        names: object = self.objects
-        if isinstance(names, str) or not isinstance(names, Iterable):
-            raise ArgumentError("objects", shown(names), "a sequence of names")
-        object.__setattr__(self, "objects", tuple(text("objects", name) for name in self.objects))
+        names = items("objects", self.objects, "a sequence of names")
+        object.__setattr__(self, "objects", tuple(text("objects", name) for name in names))
 
 
 @dataclass(frozen=True)
@@ -72,14 +70,15 @@ def checked_content(
     """
     content = Content(
         _checked_objects(objects),
-        dict(targets or {}),
-        tuple(_checked_pair(pair) for pair in exemptions),
+        _checked_targets(targets),
+        tuple(
+            _checked_pair(pair)
+            for pair in items("exemptions", exemptions, "pairs of a body and an object")
+        ),
         real_number("touch_radius", touch_radius, 0.0, unit="m"),
     )
     names = [one.name for one in content.objects]
     for where, target in content.targets.items():
-        if not isinstance(target, Target):
-            raise ArgumentError(f"targets of {where!r}", shown(target), "a Target")
         for name in target.objects:
             word(f"object of target {where!r}", name, names)
     for _, name in content.exemptions:
@@ -88,9 +87,7 @@ def checked_content(
 
 
 def _checked_objects(objects: Iterable[SceneObject]) -> tuple[SceneObject, ...]:
-    if not isinstance(objects, Iterable):
-        raise ArgumentError("objects", shown(objects), "an iterable of SceneObject")
-    found = tuple(objects)
+    found = items("objects", objects, "an iterable of SceneObject")
     seen: dict[str, int] = {}
     twice: list[str] = []
     for one in found:
@@ -104,7 +101,21 @@ def _checked_objects(objects: Iterable[SceneObject]) -> tuple[SceneObject, ...]:
     return found
 
 
+def _checked_targets(targets: Mapping[str, Target] | None) -> dict[str, Target]:
+    if targets is None:
+        return {}
+    given: object = targets
+    if not isinstance(given, Mapping):
+        raise ArgumentError("targets", shown(given), "a mapping of names to Target")
+    for where, target in given.items():
+        text("name of a target", where)
+        if not isinstance(target, Target):
+            raise ArgumentError(f"targets of {where!r}", shown(target), "a Target")
+    return dict(given)
+
+
 def _checked_pair(pair: object) -> Pair:
-    if isinstance(pair, str) or not isinstance(pair, Iterable) or len(both := tuple(pair)) != 2:
+    both = items("exemptions", pair, "pairs of a body and an object")
+    if len(both) != 2:
         raise ArgumentError("exemptions", shown(pair), "pairs of a body and an object")
     return text("body of an exemption", both[0]), text("object of an exemption", both[1])

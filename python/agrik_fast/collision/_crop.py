@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._bodies import Capsule, point
-from .._checks import real_number, whole_number
+from .._checks import items, real_number, shown, whole_number
 from ..errors import ArgumentError
 from ._objects import SceneObject
 
@@ -205,10 +205,10 @@ def row(plant: Iterable[SceneObject], count: int, pitch: ArrayLike) -> list[Scen
     >>> plants[2].capsules[0, :3].tolist()
     [0.7, 1.0, 0.1]
     """
-    parts = tuple(plant)
+    parts = items("plant", plant, "an iterable of SceneObject")
     for one in parts:
         if not isinstance(one, SceneObject):
-            raise ArgumentError("plant", repr(one), "an iterable of SceneObject")
+            raise ArgumentError("plant", shown(one), "an iterable of SceneObject")
     step = np.array(point("pitch", pitch))
     found = []
     for k in range(whole_number("count", count, 1, 10**6)):

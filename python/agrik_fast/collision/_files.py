@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
-from os import PathLike, fspath
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from .._atomic import write_bytes
-from .._checks import FloatArray, shown, text, truth_value, word
+from .._checks import FloatArray, text, truth_value, word
+from .._checks import path as checked_path
 from .._files import decode, parse_json, parse_toml, read_bytes
 from ..errors import ArgumentError, Fault, SceneFileError
 from ._clouds import objects_of, read_cloud
@@ -26,11 +27,11 @@ TOML_BYTES = 16 << 20
 
 def load(path: str | PathLike[str]) -> Content:
     """Read a scene file; see `Scene.load`."""
-    file = Path(fspath(path))
+    file = checked_path("path", path)
     if file.suffix not in SUFFIXES:
-        raise ArgumentError("path", repr(fspath(path)), f"a {' or '.join(SUFFIXES)} file")
+        raise ArgumentError("path", repr(str(file)), f"a {' or '.join(SUFFIXES)} file")
     if not file.is_file():
-        raise ArgumentError("path", f"{fspath(path)!r}, which is no file", "an existing file")
+        raise ArgumentError("path", f"{str(file)!r}, which is no file", "an existing file")
 
     def refuse(reason: str) -> SceneFileError:
         return SceneFileError(file.name, [("", reason)])
@@ -44,10 +45,7 @@ def load(path: str | PathLike[str]) -> Content:
 def content_of(document: Any, name: str, folder: str | PathLike[str]) -> Content:
     """Return what a scene file says; see `from_document`."""
     content, objects = parse(document, text("name", name))
-    try:
-        objects += _clouds(content, Path(fspath(folder)), name)
-    except TypeError:
-        raise ArgumentError("folder", shown(folder), "a path") from None
+    objects += _clouds(content, checked_path("folder", folder), name)
     scale = UNITS[content.unit]
     names = {one.name for one in objects}
     targets = {}
@@ -104,9 +102,9 @@ def save(
     content: Content, path: str | PathLike[str], *, unit: str, about: str, force: bool
 ) -> None:
     """Write a scene file; see `Scene.save`."""
-    file = Path(fspath(path))
+    file = checked_path("path", path)
     if file.suffix not in SUFFIXES:
-        raise ArgumentError("path", repr(fspath(path)), f"a {' or '.join(SUFFIXES)} file")
+        raise ArgumentError("path", repr(str(file)), f"a {' or '.join(SUFFIXES)} file")
     truth_value("force", force)
     document = table_of(content, unit=unit, about=about)
     written = _json(document) if file.suffix == ".json" else _toml(document)
@@ -121,8 +119,8 @@ def table_of(content: Content, *, unit: str, about: str) -> dict[str, Any]:
     """Return a scene as the content of a scene file; see `document_of`."""
     scale = UNITS[word("unit", unit, UNITS)]
     document: dict[str, Any] = {"format": 1, "unit": unit}
-    if about:
-        document["about"] = text("about", about)
+    if text("about", about):
+        document["about"] = about
     document["touch_radius"] = content.touch_radius * scale
     if content.exemptions:
         document["exemptions"] = [list(pair) for pair in content.exemptions]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._bodies import Box, Capsule, Convex, HalfSpace, Rows, Shape, Sphere, pose_of
-from .._checks import FloatArray, float_array, text, truth_value
+from .._checks import FloatArray, float_array, items, shown, text, truth_value
 from ..errors import ArgumentError
 from ._rows import CAPSULE, HALFSPACE, SPHERE, RowKind, first_fault
 
@@ -142,7 +142,7 @@ class SceneObject:
             elif isinstance(shape, HalfSpace):
                 rows[HalfSpace].append([*shape.normal, shape.offset])
             else:
-                raise ArgumentError("shapes", repr(shape), "shapes of agrik_fast.collision")
+                raise ArgumentError("shapes", shown(shape), "shapes of agrik_fast.collision")
         return cls(
             name,
             kind,
@@ -268,16 +268,16 @@ def _checked_boxes(name: str, value: ArrayLike) -> FloatArray:
 
 def _checked_hulls(name: str, value: Iterable[tuple[ArrayLike, float]]) -> tuple[Hull, ...]:
     hulls: list[Hull] = []
-    for number, hull in enumerate(value, start=1):
+    for number, hull in enumerate(items(f"hulls of {name!r}", value, "hulls"), start=1):
         place = f"hulls of {name!r}, row {number}"
         try:
             points, radius = hull
-            shape = Convex(points, radius)  # type: ignore[arg-type]
+            shape = Convex(points, radius)
         except ArgumentError as error:
             received, expected = error.received, error.expected
             raise ArgumentError(f"{place}, {error.argument}", received, expected) from None
         except (TypeError, ValueError):
-            raise ArgumentError(place, repr(hull), "vertices and a radius") from None
+            raise ArgumentError(place, shown(hull), "vertices and a radius") from None
         vertices = np.array(shape.vertices)
         vertices.flags.writeable = False
         hulls.append((vertices, shape.radius))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -194,9 +195,9 @@ class Queries:
         >>> scene = Scene([SceneObject.of("floor", HalfSpace([0, 0, 1], 0.0))])
         >>> arm = Robot.load("panda")
         >>> round(float(scene.clearance(arm, [0, 0, 0, -1.5, 0, 1.5, 0])), 3)
-        0.143
-        >>> float(scene.clearance(arm, [0, 0, 0, -1.5, 0, 1.5, 0], cap=0.1))
-        0.1
+        0.068
+        >>> float(scene.clearance(arm, [0, 0, 0, -1.5, 0, 1.5, 0], cap=0.05))
+        0.05
         """
         return self.collider(arm).clearance(q, _cap(cap), threads, truth_value("own", own))
 
@@ -344,7 +345,9 @@ class Queries:
 
 
 def _cap(cap: float | None) -> float | None:
-    return None if cap is None or cap == np.inf else real_number("cap", cap, 0.0, unit="m")
+    if cap is None or (type(cap) is float and math.isinf(cap) and cap > 0.0):
+        return None
+    return real_number("cap", cap, 0.0, unit="m")
 
 
 def _rows(objects: Sequence[SceneObject]) -> dict[str, Any]:

@@ -21,6 +21,7 @@ from ._definition import (
     urdf_geometry,
 )
 from ._dh_rows import CONVENTIONS, DhRow, read_table
+from ._inverse import PREFERENCES as PREFERENCES
 from ._inverse import InverseKinematics
 from ._inverse import Prefer as Prefer
 from ._inverse import SceneOf as SceneOf

@@ -21,7 +21,7 @@ from .._bodies import (
     SelfPairs,
     Sphere,
 )
-from .._checks import shown, text, word
+from .._checks import items, shown, text, truth_value, whole_number, word
 from ..errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -181,13 +181,10 @@ class CollisionBodies:
         >>> arm.bodies[-1].name
         'fruit'
         """
-        some: object = bodies
         if isinstance(bodies, Body | Sphere | Capsule | Box | Convex | Cover):
-            given: list[Body | BodyShape] = [bodies]
-        elif isinstance(some, Iterable) and not isinstance(some, str):
-            given = list(some)
+            given: tuple[Body | BodyShape, ...] = (bodies,)
         else:
-            raise ArgumentError("bodies", shown(bodies), "bodies or shapes")
+            given = items("bodies", bodies, "bodies or shapes")
         text("name", name)
         last = len(self._chain.link_names) - 1
         found: list[Body] = []
@@ -201,7 +198,8 @@ class CollisionBodies:
                 raise ArgumentError("bodies", shown(one), "bodies or shapes")
         checked = self._checked("bodies", found)
         _check_names((*self.bodies, *checked))
-        touching = [body.name for body in checked] if may_touch_target else []
+        touches = truth_value("may_touch_target", may_touch_target)
+        touching = [body.name for body in checked if touches]
         rules = replace(
             self.collision_rules,
             may_touch_target=(*self.collision_rules.may_touch_target, *touching),
@@ -324,15 +322,10 @@ class CollisionBodies:
             if frame not in links:
                 word("frame", frame, ["base", *links])
             return links.index(frame) + 1
-        if isinstance(frame, bool) or not 0 <= frame <= len(links):
-            expected = f"0 (base) to {len(links)} (tool), or a name out of link_names"
-            raise ArgumentError("frame", shown(frame), expected)
-        return frame
+        return whole_number("frame", frame, 0, len(links))
 
     def _checked(self, argument: str, bodies: Any) -> tuple[Body, ...]:
-        if isinstance(bodies, str) or not hasattr(bodies, "__iter__"):
-            raise ArgumentError(argument, shown(bodies), "an iterable of Body")
-        found = tuple(bodies)
+        found = items(argument, bodies, "an iterable of Body")
         for body in found:
             if not isinstance(body, Body):
                 raise ArgumentError(argument, shown(body), "an iterable of Body")

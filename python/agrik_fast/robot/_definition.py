@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
@@ -13,7 +13,7 @@ import numpy as np
 
 from .. import _native
 from .._bodies import CYLINDERS, MESHES, Body, CollisionRules, UrdfGeometry, mesh_places
-from .._checks import FloatArray, shown, word
+from .._checks import FloatArray, items, shown, word
 from .._files import decode, read_bytes
 from ..errors import ArgumentError, UnknownNameError, UrdfError
 from ._dh_rows import DhRow, DhTable
@@ -122,12 +122,10 @@ def urdf_geometry(
     """Return a URDF's text, and how its solids are to be read."""
     word("cylinder", cylinder, CYLINDERS)
     word("mesh", mesh, MESHES)
-    if isinstance(mesh_folders, str) or not isinstance(mesh_folders, Iterable):
-        raise ArgumentError("mesh_folders", shown(mesh_folders), "a sequence of paths")
     try:
-        folders = [Path(fspath(folder)) for folder in mesh_folders]
+        folders = [Path(fspath(one)) for one in items("mesh_folders", mesh_folders, "paths")]
     except TypeError:
-        raise ArgumentError("mesh_folders", shown(mesh_folders), "a sequence of paths") from None
+        raise ArgumentError("mesh_folders", shown(mesh_folders), "paths") from None
     content = read_urdf(path_or_text)
     text = fspath(path_or_text)
     file = None if "<" in text else Path(text)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, float_array, whole_number
+from .._checks import FloatArray, float_array, whole_number, word
 from .._stream import solve_ahead
 from ._path import Path
 
@@ -24,6 +24,9 @@ __all__ = ["InverseKinematics"]
 
 Prefer: TypeAlias = Literal["first", "near", "clearance"]
 """Which of several postures that are free of collisions."""
+
+PREFERENCES: tuple[Prefer, ...] = ("first", "near", "clearance")
+"""All of them."""
 
 
 class SceneOf(Protocol):
@@ -138,7 +141,7 @@ class InverseKinematics:
             first_index,
             _collider(self, scene),
             clear,
-            prefer,
+            word("prefer", prefer, PREFERENCES),
         )
 
     def solver(
