@@ -147,6 +147,16 @@ impl HarvestStation {
             .collect()
     }
 
+    /// The object in which each point lies, if it is none of its own; -1 for none.
+    fn inside(&self, points: &Bound<'_, PyAny>, objects: Vec<Vec<usize>>) -> PyResult<Vec<i64>> {
+        let names = vec![String::new(); objects.len()];
+        let each = targets(points, objects, names)?;
+        let scene = self.0.around().scene();
+        // A point that is no place is in nothing.
+        let inside = |target: &Target| target.inside(scene).ok().flatten();
+        Ok(each.iter().map(|target| inside(target).map_or(-1, |index| index as i64)).collect())
+    }
+
     /// All postures of one approach to a target, as rows of a table.
     #[pyo3(signature = (point, objects, psi, tilt=0.0, shift=0.0, settings=None))]
     #[allow(clippy::too_many_arguments)]
