@@ -1094,6 +1094,7 @@ class HarvestStation:
         touching: Sequence[int],
         level: int | None = None,
         split: str | None = None,
+        moved: ArrayLike | None = None,
     ) -> HarvestStation:
         """Put an arm with bodies into a crop.
 
@@ -1113,6 +1114,8 @@ class HarvestStation:
             Boxes count as 8^level spheres; without it as they are.
         split : {"equal", "near-cubic"}, optional
             How they are cut into cells.
+        moved : array_like, shape (3,), m, optional
+            How far `statics` are from where the scene has them: with the arm.
 
         Raises
         ------

@@ -215,7 +215,7 @@ def posture_picture(found: Evaluation, row: int) -> Figure:
     point = np.array(found.scene.targets[one.name].point)
     drawing = figure(7, 6.5)
     axes = drawing.add_subplot(projection="3d")
-    low, high = point - [0.9, 0.7, 0.8], point + [0.3, 0.7, 0.6]
+    low, high = point - np.array([0.9, 0.7, 0.8]), point + np.array([0.3, 0.7, 0.6])
     draw_scene(axes, near(found.scene, low, high), skip=("ground",))
     draw_arm(axes, found.robot, one.q)
     axes.scatter(*point, color="black", marker="x", s=40)

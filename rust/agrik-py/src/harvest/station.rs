@@ -55,14 +55,16 @@ pub fn mode(
 
 /// What of a scene is crop, and who minds what.
 pub fn roles(statics: Vec<usize>, skip: Vec<(usize, usize)>, touching: Vec<usize>) -> Roles {
-    Roles { statics, skip, touching }
+    Roles { statics, skip, touching, moved: [0.0; 3] }
 }
 
 #[pymethods]
 impl HarvestStation {
     /// Put an arm with bodies into a crop.
     #[new]
-    #[pyo3(signature = (bodies, scene, statics, static_skip, touching, level=None, split=None))]
+    #[pyo3(signature = (
+        bodies, scene, statics, static_skip, touching, level=None, split=None, moved=None
+    ))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -73,8 +75,11 @@ impl HarvestStation {
         touching: Vec<usize>,
         level: Option<&Bound<'_, PyAny>>,
         split: Option<&str>,
+        moved: Option<[f64; 3]>,
     ) -> PyResult<Self> {
-        let (roles, mode) = (roles(statics, static_skip, touching), mode(py, level, split)?);
+        let mode = mode(py, level, split)?;
+        let roles =
+            Roles { moved: moved.unwrap_or_default(), ..roles(statics, static_skip, touching) };
         let (bodies, scene) = (bodies.get().core(), scene.get().core());
         harvest::Station::new(bodies, scene, &roles, mode)
             .map(Self)
