@@ -181,7 +181,7 @@ class Decisions:
     @property
     def ok(self) -> NDArray[np.bool_]:
         """Which targets have a posture to go to."""
-        return self.status == Status.OK
+        return np.asarray(self.status == Status.OK)
 
     def __len__(self) -> int:
         return len(self.names)

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from .._checks import shown, truth_value
+from .._checks import FloatArray, float_array, shown, truth_value
 from ..collision import Scene
 from ..errors import ArgumentError
 from ..robot import Robot
@@ -23,6 +24,7 @@ __all__ = ["Evaluation", "evaluate"]
 
 RUN = 200
 """Targets between two calls of `progress`."""
+BLOCKED = (int(Status.APPROACH_BLOCKED), int(Status.NO_COLLISION_FREE))
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +43,8 @@ class Evaluation:
     blockers : dict of str to Blockers or None
         For targets that are blocked: what is in the way; None where no removal helps. Empty
         where it was not asked for.
+    along : ndarray, shape (n,), m
+        How far along the row the vehicle stood for each target.
     seconds : float
         Time that the decisions and the blockers took, s.
     """
@@ -51,6 +55,7 @@ class Evaluation:
     distance: str
     decisions: Decisions
     blockers: dict[str, Blockers | None]
+    along: FloatArray
     seconds: float
 
     @property
@@ -98,6 +103,7 @@ class Evaluation:
                 "x_mm": x,
                 "y_mm": y,
                 "z_mm": z,
+                "along_mm": 1e3 * float(self.along[k]),
                 "status": one.status.name,
                 "open_angles": one.open,
                 "angles": one.angles,
@@ -137,6 +143,7 @@ def evaluate(
     level: int = 3,
     split: Literal["equal", "near-cubic"] = "equal",
     blockers: bool = True,
+    stops: ArrayLike | None = None,
     threads: int | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Evaluation:
@@ -155,6 +162,9 @@ def evaluate(
         As for `plan`.
     blockers : bool, default True
         Name the leaves in the way of each target that is blocked.
+    stops : array_like, shape (k,), m, optional
+        Places of the vehicle along y, from where it stands: each fruit is decided from the
+        nearest. What is of kind "machine" moves with it. Default: it does not move.
     threads : int, optional
         Number of threads.
     progress : callable, optional
@@ -167,7 +177,7 @@ def evaluate(
     Raises
     ------
     ArgumentError
-        A crop without fruit; else as `plan`.
+        A crop without fruit, no stop or one that is not finite; else as `plan`.
     KeyboardInterrupt
         Ctrl-C.
 
@@ -185,45 +195,81 @@ def evaluate(
     if not crop.targets:
         received = f"a scene of {len(crop)} objects without targets"
         raise ArgumentError("crop", received, "a scene with a target for each fruit")
-    made = Crop(robot, crop, distance, level, split)
     checked = checked_settings(settings)
     options, wanted = checked.as_options(), truth_value("blockers", blockers)
-    chosen = made.chosen(None)
     start = time.perf_counter()
-    parts, blocking = [], {}
-    for first in range(0, len(chosen), RUN):
-        here = slice(first, first + RUN)
-        points, objects = chosen.points[here], chosen.objects[here]
-        names = list(chosen.names[here])
-        part = made.station.plan(points, objects, names, options, False, threads)
-        parts.append(part)
-        if wanted:
-            blocked = np.isin(
-                part["status"], (int(Status.APPROACH_BLOCKED), int(Status.NO_COLLISION_FREE))
-            )
-            at = np.flatnonzero(blocked)
-            found = made.station.blockers(
-                points[at], [objects[k] for k in at], [names[k] for k in at], options, threads
-            )
-            for k, one in zip(at, found, strict=True):
-                blocking[names[k]] = named(one, crop)
+    made = Crop(robot, crop, distance, level, split)
+    chosen = made.chosen(None)
+    places = _places(stops)
+    order, at = _by_stop(chosen.points, places)
+    crops: dict[int, Crop] = {}
+    parts: list[dict[str, Any]] = []
+    blocking: dict[str, Blockers | None] = {}
+    for first in range(0, len(order), RUN):
+        for stop, rows in _runs(order[first : first + RUN], at):
+            if stop not in crops:
+                place = float(places[stop])
+                crops = {stop: Crop(robot, crop, distance, level, split, place)}
+            station = crops[stop].station
+            points, names = chosen.points[rows], [chosen.names[k] for k in rows]
+            objects = [chosen.objects[k] for k in rows]
+            part = station.plan(points, objects, names, options, False, threads)
+            parts.append(part)
+            if wanted:
+                hit = np.flatnonzero(np.isin(part["status"], BLOCKED))
+                found = station.blockers(
+                    points[hit],
+                    [objects[k] for k in hit],
+                    [names[k] for k in hit],
+                    options,
+                    threads,
+                )
+                blocking |= {names[k]: named(one, crop) for k, one in zip(hit, found, strict=True)}
         if progress is not None:
-            progress(min(first + RUN, len(chosen)), len(chosen))
+            progress(min(first + RUN, len(order)), len(order))
     seconds = time.perf_counter() - start
-    decisions = Decisions(chosen.names, _joined(parts))
-    return Evaluation(made.robot, crop, checked, distance, decisions, blocking, seconds)
+    decisions = Decisions(chosen.names, _joined(parts, order))
+    return Evaluation(made.robot, crop, checked, distance, decisions, blocking, places[at], seconds)
 
 
-def _joined(parts: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the columns of several runs as those of one."""
+def _places(stops: ArrayLike | None) -> FloatArray:
+    if stops is None:
+        return np.zeros(1)
+    places = float_array("stops", stops)
+    if places.ndim != 1 or not len(places) or not np.isfinite(places).all():
+        raise ArgumentError("stops", shown(stops), "one or more finite numbers, m")
+    return places
+
+
+def _by_stop(points: FloatArray, places: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the targets in the order of their stops, and the stop of each."""
+    places_y = np.nan_to_num(points[:, 1], posinf=0.0, neginf=0.0)
+    at = np.abs(places_y[:, None] - places).argmin(axis=1)
+    return np.argsort(at, kind="stable"), at
+
+
+def _runs(
+    rows: NDArray[np.int64], at: NDArray[np.int64]
+) -> Iterator[tuple[int, NDArray[np.int64]]]:
+    """Return targets that share a stop, with the stop."""
+    for stop in np.unique(at[rows]):
+        yield int(stop), rows[at[rows] == stop]
+
+
+def _joined(parts: list[dict[str, Any]], order: NDArray[np.int64]) -> dict[str, Any]:
+    """Return the columns of several runs as those of one, in the order of the targets."""
+    back = np.argsort(order, kind="stable")
     joined: dict[str, Any] = {
-        name: np.concatenate([part[name] for part in parts])
+        name: np.concatenate([part[name] for part in parts])[back]
         for name in parts[0]
         if name != "attempts"
     }
-    tables = [dict(part["attempts"]) for part in parts]
-    for k, table in enumerate(tables):
-        table["target"] = table["target"] + k * RUN
+    tables, first = [], 0
+    for part in parts:
+        table = dict(part["attempts"])
+        table["target"] = order[first + table["target"]]
+        first += len(part["status"])
+        tables.append(table)
     joined["attempts"] = {
         name: np.concatenate([table[name] for table in tables]) for name in tables[0]
     }

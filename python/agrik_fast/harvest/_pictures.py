@@ -15,6 +15,7 @@ from ..errors import AgrikError
 from ..robot import Robot
 from ._decisions import Status
 from ._evaluate import Evaluation
+from ._station import moved_along
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -217,7 +218,7 @@ def posture_picture(found: Evaluation, row: int) -> Figure:
     axes = drawing.add_subplot(projection="3d")
     low, high = point - np.array([0.9, 0.7, 0.8]), point + np.array([0.3, 0.7, 0.6])
     draw_scene(axes, near(found.scene, low, high), skip=("ground",))
-    draw_arm(axes, found.robot, one.q)
+    draw_arm(axes, moved_along(found.robot, float(found.along[row])), one.q)
     axes.scatter(*point, color="black", marker="x", s=40)
     frame_space(axes, low.tolist(), high.tolist(), (20, -110))
     axes.set_title(

@@ -37,15 +37,31 @@ class Chosen:
         return len(self.names)
 
 
+def moved_along(robot: Robot, along: float) -> Robot:
+    """Return a robot that stands `along` (m) farther along y."""
+    base = robot.base.copy()
+    base[1, 3] += along
+    return robot.with_base(base)
+
+
 class Crop:
     """An arm with bodies in a scene, and how distances are measured."""
 
     def __init__(
-        self, robot: Robot | str, scene: Scene, distance: str, level: int, split: str
+        self,
+        robot: Robot | str,
+        scene: Scene,
+        distance: str,
+        level: int,
+        split: str,
+        along: float = 0.0,
     ) -> None:
         self.robot = Robot.load(robot) if isinstance(robot, str) else robot
         if not isinstance(self.robot, Robot):
             raise ArgumentError("robot", shown(robot), "a Robot or the name of one")
+        self.along = along
+        if along != 0:
+            self.robot = moved_along(self.robot, along)
         if not isinstance(scene, Scene):
             raise ArgumentError("scene", shown(scene), "a Scene")
         self.scene = scene
@@ -80,6 +96,7 @@ class Crop:
             self.touching,
             self._level,
             self.split,
+            (0.0, self.along, 0.0),
         )
 
     def programme(
