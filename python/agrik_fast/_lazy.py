@@ -27,7 +27,7 @@ MODULE_OF = {
 }
 """Module that defines each public name."""
 
-MODULES = ("collision", "errors", "euler", "rotations", "solvers", "tasks")
+MODULES = ("collision", "errors", "euler", "harvest", "rotations", "solvers", "tasks")
 """Modules that are public names themselves."""
 
 _PACKAGE = "agrik_fast"

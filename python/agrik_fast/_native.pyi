@@ -19,6 +19,8 @@ __all__ = [
     "Collider",
     "CsvRows",
     "Distances",
+    "HarvestProgramme",
+    "HarvestStation",
     "IkResult",
     "Scene",
     "StrawberryArm",
@@ -32,6 +34,7 @@ __all__ = [
     "csv_lines",
     "default_settings",
     "get_num_threads",
+    "harvest_words",
     "ik_paced",
     "ik_record",
     "ik_result",
@@ -1262,3 +1265,139 @@ def simd_level() -> str:
         that the environment variable ``AGRIK_SIMD`` names. A name that the machine does not
         have is a `RuntimeWarning` when the compiled module is first used.
     """
+
+@final
+class HarvestStation:
+    """An arm on a slide, with bodies, in a crop; see `agrik_fast.harvest.plan`."""
+
+    def __new__(
+        cls,
+        bodies: Bodies,
+        scene: Scene,
+        statics: Sequence[int],
+        static_skip: Sequence[tuple[int, int]],
+        touching: Sequence[int],
+        level: int | None = None,
+        split: str | None = None,
+        moved: ArrayLike | None = None,
+    ) -> HarvestStation:
+        """Put an arm with bodies into a crop.
+
+        Parameters
+        ----------
+        bodies : Bodies
+            The arm with its bodies.
+        scene : Scene
+            The crop.
+        statics : sequence of int
+            Objects that are never touched but may be near.
+        static_skip : sequence of (int, int)
+            Pairs of a body and one of them that do not mind each other.
+        touching : sequence of int
+            Bodies that may touch a target.
+        level : int, optional
+            Boxes count as 8^level spheres; without it as they are.
+        split : {"equal", "near-cubic"}, optional
+            How they are cut into cells.
+        moved : array_like, shape (3,), m, optional
+            How far `statics` are from where the scene has them: with the arm.
+
+        Raises
+        ------
+        ArgumentError
+            The arm is not six joints with a spherical wrist on a slide; an index out of range.
+        """
+
+    def plan(
+        self,
+        points: ArrayLike,
+        objects: Sequence[Sequence[int]],
+        names: Sequence[str],
+        settings: Mapping[str, Any] | None = None,
+        scan_all: bool = False,
+        threads: int | None = None,
+    ) -> dict[str, Any]:
+        """Decide for targets, shape (n, 3), m; with `scan_all` by a scan of everything."""
+
+    def blockers(
+        self,
+        points: ArrayLike,
+        objects: Sequence[Sequence[int]],
+        names: Sequence[str],
+        settings: Mapping[str, Any] | None = None,
+        threads: int | None = None,
+    ) -> list[tuple[list[int], bool, dict[str, Any]] | None]:
+        """Name the fewest removable objects in the way of each target."""
+
+    def inside(self, points: ArrayLike, objects: Sequence[Sequence[int]]) -> list[int]:
+        """Return the object in which each point lies, if none of its own; -1 for none."""
+
+    def table(
+        self,
+        point: ArrayLike,
+        objects: Sequence[int],
+        psi: float,
+        tilt: float = 0.0,
+        shift: float = 0.0,
+        settings: Mapping[str, Any] | None = None,
+    ) -> dict[str, Any]:
+        """All postures of one approach to a target, as rows of a table."""
+
+    def approaches(
+        self,
+        point: ArrayLike,
+        objects: Sequence[int],
+        settings: Mapping[str, Any] | None = None,
+    ) -> dict[str, Any]:
+        """Scan approach angles: psi, open, rank, and the distances hard and soft, m."""
+
+@final
+class HarvestProgramme:
+    """The non-linear programme of one target; see `agrik_fast.harvest.Programme`."""
+
+    def __new__(
+        cls,
+        bodies: Bodies,
+        scene: Scene,
+        statics: Sequence[int],
+        static_skip: Sequence[tuple[int, int]],
+        touching: Sequence[int],
+        point: ArrayLike,
+        objects: Sequence[int],
+        weights: ArrayLike,
+        level: int | None = None,
+        split: str | None = None,
+    ) -> HarvestProgramme:
+        """Put an arm with bodies into a crop, with a target.
+
+        Parameters
+        ----------
+        bodies, scene, statics, static_skip, touching, level, split
+            As for `HarvestStation`.
+        point : array_like, shape (3,), m
+            The grip point.
+        objects : sequence of int
+            Objects of the target.
+        weights : array_like, shape (4,)
+            Of position (1/m), orientation and nearness, and the distance that is enough, m.
+
+        Raises
+        ------
+        ArgumentError
+            A weight out of its range, or all of them zero; an index out of range.
+        """
+
+    def terms(self, q: ArrayLike) -> dict[str, Any]:
+        """Return the terms of the cost at joint values, shape (..., dof)."""
+
+    def search(
+        self,
+        algorithm: str,
+        seeds: Sequence[int],
+        options: Mapping[str, Any] | None = None,
+        threads: int | None = None,
+    ) -> dict[str, Any]:
+        """Search from seeds by "ga" or "de"."""
+
+def harvest_words() -> tuple[list[str], list[str]]:
+    """Return the names of the statuses and of the stages of a decision, at their codes."""

@@ -400,6 +400,78 @@ def tune(
 
 
 @app.command()
+def harvest(
+    scene: Annotated[Path, typer.Argument(help="Scene with targets: .json or .toml.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
+    robot: Annotated[
+        str, typer.Option(help="An arm on a slide with bodies: a name, .toml or .urdf.")
+    ] = "cucumber",
+    distance: Annotated[
+        str, typer.Option(help="exact, or tree: boxes as spheres, as in the paper.")
+    ] = "exact",
+    refine: Annotated[bool, typer.Option(help="Improve postures by a pattern search.")] = True,
+    recovery: Annotated[
+        bool, typer.Option(help="Go on after the best approach angle has failed.")
+    ] = True,
+    blockers: Annotated[bool, typer.Option(help="Name the leaves in the way.")] = True,
+    pictures: Annotated[bool, typer.Option(help="Draw pictures; needs Matplotlib.")] = True,
+    tilt_deg: Annotated[float, typer.Option(help="Tilt that the gripper tolerates, deg.")] = 0.0,
+    shift: Annotated[float, typer.Option(help="Shift along the fruit that it tolerates, m.")] = 0.0,
+    min_distance: Annotated[
+        float, typer.Option(help="Distance that postures keep from the crop, m.")
+    ] = 0.005,
+    threads: Annotated[
+        int | None, typer.Option(min=1, help="Threads; by default all cores.")
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Write into a folder that holds files.")
+    ] = False,
+) -> None:
+    """Decide for every fruit of a scene whether and how it can be picked.
+
+    Writes harvest.csv (one row a fruit), harvest.json and pictures: the share that can be
+    picked, why not the rest, and which leaves block it.
+    """
+    with exit_codes() as kept:
+        from ._harvest import check_folder, evaluate, lines
+        from .progress import for_stream
+
+        check_folder(output, force=force)
+        kept.what = lambda: f"files that were finished are in {output}"
+        with for_stream(sys.stderr) as bar:
+            done = 0
+
+            def advance(now: int, total: int) -> None:
+                nonlocal done
+                if done == 0:
+                    bar.start("fruits", total)
+                bar.advance(now - done)
+                done = now
+
+            found = evaluate(
+                scene,
+                robot,
+                distance,
+                refine=refine,
+                recovery=recovery,
+                blockers=blockers,
+                tilt_deg=tilt_deg,
+                shift=shift,
+                min_distance=min_distance,
+                threads=threads,
+                progress=advance,
+            )
+        from ..harvest import write_report
+
+        files = write_report(found, output, pictures=pictures, report=say)
+        for line in lines(found):
+            say(line)
+        with telling(f"files: {output}"):
+            for file in files:
+                typer.echo(str(file))
+
+
+@app.command()
 def paper(
     name: Annotated[
         str, typer.Argument(help=f"Whose paper: {', '.join(PAPERS[:-1])} or {PAPERS[-1]}.")

@@ -545,6 +545,12 @@ class Robot(InverseKinematics, CollisionBodies):
         """
         return Robot(self._definition.replaced(tool=float_array("tool", tool).copy()))
 
+    @property
+    def base(self) -> FloatArray:
+        """First link's frame in the frame that poses are given in, shape (4, 4), m."""
+        given = self._definition.base
+        return np.eye(4) if given is None else given.copy()
+
     def with_base(self, base: ArrayLike) -> Robot:
         """Return the same robot with another base.
 

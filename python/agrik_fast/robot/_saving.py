@@ -78,7 +78,11 @@ def _body(body: Body) -> dict[str, Any]:
         f"{name}_m" if name not in ("rotation", "level", "split") else name: _listed(value)
         for name, value in vars(body.shape).items()
     }
-    table = {"name": body.name, "frame": body.frame, "shape": type(body.shape).__name__.lower()}
+    table: dict[str, Any] = {
+        "name": body.name,
+        "frame": body.frame,
+        "shape": type(body.shape).__name__.lower(),
+    }
     if body.overestimate is not None and not isinstance(body.shape, Cover):
         table["overestimate_m"] = body.overestimate
     return table | shape

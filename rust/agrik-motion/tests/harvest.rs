@@ -80,7 +80,7 @@ fn made(name: &str, without: &[&str], more: &[[f64; 3]]) -> Made {
         }
     }
     let touching = ["gripper", "flange"].map(|name| bodies.body(name).unwrap()).to_vec();
-    let roles = Roles { statics, skip, touching };
+    let roles = Roles { statics, skip, touching, moved: [0.0; 3] };
     Made { scene: Arc::new(scene), targets, roles, bodies }
 }
 

@@ -41,6 +41,8 @@ mod _native {
     #[pymodule_export]
     use files::csv_writer::csv_lines;
     #[pymodule_export]
+    use harvest::programme::HarvestProgramme;
+    #[pymodule_export]
     use harvest::station::{HarvestStation, harvest_words};
     #[pymodule_export]
     use ik::branches::{Branches, branches};

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use agrik::chain::Chain;
-use agrik_solids::{Core, Cover, Exemption, Scene, Solid, Spheres, Split, within};
+use agrik_compute::Allowed;
+use agrik_solids::{Core, Cover, Exemption, Point, Pose, Scene, Solid, Spheres, Split, within};
 
 use crate::body::{Bodies, Collider, Placed};
 use crate::{Error, Result};
@@ -23,11 +24,13 @@ pub enum Mode {
 }
 
 /// What of a scene is crop, and who minds what.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Roles {
     /// Objects that are not to be touched, however near the arm comes: the slide's rail, the
     /// vehicle.
     pub statics: Vec<usize>,
+    /// How far they have moved with the arm from where the scene has them, m.
+    pub moved: Point,
     /// Pairs of a body and one of them that do not mind each other.
     pub skip: Vec<(usize, usize)>,
     /// Bodies that may touch a target.
@@ -65,6 +68,9 @@ impl Surroundings {
             let expected = format!("a whole number, 0 to {}", agrik_solids::cover::FINEST);
             return Err(Error::argument("level", expected, level));
         }
+        for x in roles.moved {
+            Allowed::FINITE.check("moved", x)?;
+        }
         let collider = Collider::new(Arc::clone(&bodies), Arc::clone(&scene), &roles.skip, None)?;
         let mut fixed = Vec::new();
         for object in &roles.statics {
@@ -76,9 +82,10 @@ impl Surroundings {
                 .filter(|body| bodies.moved_by(*body) > 0)
                 .filter(|body| !roles.skip.contains(&(*body, *object)))
                 .collect();
-            fixed.extend(of.solids.iter().map(|solid| (solid.clone(), minds.clone())));
+            let at = Pose { translation: roles.moved, ..Pose::IDENTITY };
+            fixed.extend(of.solids.iter().map(|solid| (solid.placed(&at), minds.clone())));
             for [x, y, z, r] in of.clouds.iter().flat_map(|cloud| cloud.spheres()) {
-                fixed.push((Solid::sphere([x, y, z], r)?, minds.clone()));
+                fixed.push((Solid::sphere(at.point([x, y, z]), r)?, minds.clone()));
             }
         }
         let covers = (0..count).map(|body| match (mode, bodies.mounts()[body].solid.core()) {

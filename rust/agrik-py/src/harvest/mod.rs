@@ -1,4 +1,5 @@
-//! Harvest postures: the class `HarvestStation`.
+//! Harvest postures: the classes `HarvestStation` and `HarvestProgramme`.
 
-pub mod settings;
+pub mod programme;
+mod settings;
 pub mod station;

@@ -35,11 +35,36 @@ fn targets(
     Ok(each.map(|((point, objects), name)| Target { name, point: *point, objects }).collect())
 }
 
+/// How bodies meet the crop: as they are without a level.
+pub fn mode(
+    py: Python<'_>,
+    level: Option<&Bound<'_, PyAny>>,
+    split: Option<&str>,
+) -> PyResult<Mode> {
+    let Some(level) = level else { return Ok(Mode::Exact) };
+    let level = whole("level", level, 0, 3)? as usize;
+    let split = match split {
+        None | Some("equal") => Split::Equal,
+        Some("near-cubic") => Split::NearCubic,
+        Some(other) => {
+            return Err(errors::unknown_name(py, "split", other, &["equal", "near-cubic"]));
+        }
+    };
+    Ok(Mode::Tree { level, split })
+}
+
+/// What of a scene is crop, and who minds what.
+pub fn roles(statics: Vec<usize>, skip: Vec<(usize, usize)>, touching: Vec<usize>) -> Roles {
+    Roles { statics, skip, touching, moved: [0.0; 3] }
+}
+
 #[pymethods]
 impl HarvestStation {
     /// Put an arm with bodies into a crop.
     #[new]
-    #[pyo3(signature = (bodies, scene, statics, static_skip, touching, level=None, split=None))]
+    #[pyo3(signature = (
+        bodies, scene, statics, static_skip, touching, level=None, split=None, moved=None
+    ))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -50,23 +75,11 @@ impl HarvestStation {
         touching: Vec<usize>,
         level: Option<&Bound<'_, PyAny>>,
         split: Option<&str>,
+        moved: Option<[f64; 3]>,
     ) -> PyResult<Self> {
-        let mode = match level {
-            None => Mode::Exact,
-            Some(level) => {
-                let level = whole("level", level, 0, 3)? as usize;
-                let split = match split {
-                    None | Some("equal") => Split::Equal,
-                    Some("near-cubic") => Split::NearCubic,
-                    Some(other) => {
-                        let known = ["equal", "near-cubic"];
-                        return Err(errors::unknown_name(py, "split", other, &known));
-                    }
-                };
-                Mode::Tree { level, split }
-            }
-        };
-        let roles = Roles { statics, skip: static_skip, touching };
+        let mode = mode(py, level, split)?;
+        let roles =
+            Roles { moved: moved.unwrap_or_default(), ..roles(statics, static_skip, touching) };
         let (bodies, scene) = (bodies.get().core(), scene.get().core());
         harvest::Station::new(bodies, scene, &roles, mode)
             .map(Self)
@@ -139,6 +152,16 @@ impl HarvestStation {
             .collect()
     }
 
+    /// The object in which each point lies, if it is none of its own; -1 for none.
+    fn inside(&self, points: &Bound<'_, PyAny>, objects: Vec<Vec<usize>>) -> PyResult<Vec<i64>> {
+        let names = vec![String::new(); objects.len()];
+        let each = targets(points, objects, names)?;
+        let scene = self.0.around().scene();
+        // A point that is no place is in nothing.
+        let inside = |target: &Target| target.inside(scene).ok().flatten();
+        Ok(each.iter().map(|target| inside(target).map_or(-1, |index| index as i64)).collect())
+    }
+
     /// All postures of one approach to a target, as rows of a table.
     #[pyo3(signature = (point, objects, psi, tilt=0.0, shift=0.0, settings=None))]
     #[allow(clippy::too_many_arguments)]
@@ -185,7 +208,7 @@ impl HarvestStation {
 }
 
 /// One column of a record.
-fn put<'py, S, T: numpy::Element + Copy>(
+pub fn put<'py, S, T: numpy::Element + Copy>(
     py: Python<'py>,
     out: &Bound<'py, PyDict>,
     name: &str,
