@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from . import errors, euler, rotations, solvers, tasks
     from ._native import __version__, get_num_threads, set_num_threads, simd_level
     from .errors import AgrikError, ArgumentError, RobotFileError, UnknownNameError, UrdfError
-    from .result import Branches, IkResult, Singularity, Status
+    from .result import Branches, Family, IkResult, Singularity, Status, Warnings
     from .robot import Path, Robot
 else:
     from ._lazy import __dir__ as __dir__
@@ -20,6 +20,7 @@ __all__ = [
     "AgrikError",
     "ArgumentError",
     "Branches",
+    "Family",
     "IkResult",
     "Path",
     "Robot",
@@ -28,6 +29,7 @@ __all__ = [
     "Status",
     "UnknownNameError",
     "UrdfError",
+    "Warnings",
     "__version__",
     "errors",
     "euler",

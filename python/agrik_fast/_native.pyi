@@ -287,6 +287,9 @@ class Chain:
         position_tolerance: float | None = None,
         orientation_tolerance: float | None = None,
         locked: Mapping[str, ArrayLike] | None = None,
+        sweep: int | None = None,
+        wrap: bool = False,
+        task: Task | str | None = None,
     ) -> Branches:
         """All branches of a batch of poses; see `agrik_fast.Robot.ik_all`."""
 
@@ -297,6 +300,10 @@ class Chain:
         self, target: ArrayLike, tool: ArrayLike | None = None
     ) -> list[list[tuple[float, float]]]:
         """Arm angles that the limits allow for one pose: for each branch (lower, upper), rad."""
+
+    @property
+    def family(self) -> tuple[str, str, str, int, str | None]:
+        """Name, method, reason, most branches and locked joint, see `agrik_fast.Robot.family`."""
 
     @property
     def closed_form(self) -> tuple[str | None, str | None]:
@@ -325,6 +332,26 @@ class Branches:
     @property
     def status(self) -> NDArray[np.uint8]:
         """Codes of `agrik_fast.Status`."""
+
+    @property
+    def warnings(self) -> NDArray[np.uint8]:
+        """Sums of codes of `agrik_fast.Warnings`, one a target."""
+
+    @property
+    def free_joint(self) -> NDArray[np.int8]:
+        """Entry of `q` that a singularity leaves free, -1 for none; one a target."""
+
+    @property
+    def value(self) -> NDArray[np.float64]:
+        """Value of the swept joint or arm angle of each branch, rad or m; NaN without a sweep."""
+
+    @property
+    def branch(self) -> NDArray[np.uint32]:
+        """Number of each branch among those of its value."""
+
+    @property
+    def orientation_error(self) -> NDArray[np.float64]:
+        """Least angle left, rad, of targets that ask for more than the arm has joints for."""
 
 @final
 class TargetSolver:

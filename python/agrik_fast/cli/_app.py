@@ -98,6 +98,13 @@ def solve(
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 3 unless every row is solved.")
     ] = False,
+    all_branches: Annotated[
+        bool,
+        typer.Option(
+            "--all-branches",
+            help="Write a row for each branch of a target within the limits; no solver then.",
+        ),
+    ] = False,
 ) -> None:
     """Solve every target of a file and write the joint values to another.
 
@@ -125,6 +132,7 @@ def solve(
             seed=seed,
             threads=threads,
             force=force,
+            all_branches=all_branches,
         )
         summary = solve_words(request, for_stream(sys.stderr))
         kept.what = lambda: f"results: {output}"

@@ -6,6 +6,7 @@ import contextlib
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,9 +22,9 @@ from ..io import (
     open_results,
     read_targets,
 )
-from ..result import IkResult
 from ..robot import Robot
 from ..tasks import Axis
+from ._one_row_a_branch import as_rows
 from ._pipeline import Pipeline, Solve
 from ._progress import Progress, Silent
 from ._summary import Summary
@@ -64,6 +65,9 @@ class SolveRequest:
         Number of threads, as for `Robot.ik`.
     force : bool
         Replace an existing result.
+    all_branches : bool
+        One row for each branch of a target that `Robot.ik_all` finds within the limits, in
+        place of the answer of a solver.
     """
 
     robot: str
@@ -78,6 +82,7 @@ class SolveRequest:
     seed: int = 0
     threads: int | None = None
     force: bool = False
+    all_branches: bool = False
 
 
 def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str | Axis]:
@@ -151,9 +156,9 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
             progress.note(f"not used: {', '.join(reader.ignored)}")
         waiting: list[ResultChunk] = []
         with contextlib.closing(work.pieces()) as pieces:
-            for piece in pieces:
+            for targets, piece in pieces:
                 summary.add(piece)
-                progress.advance(len(piece))
+                progress.advance(targets)
                 if waiting and _id_bytes([*waiting, piece]) > WRITE_ID_BYTES:
                     writer.write(_joined(waiting))
                     waiting.clear()
@@ -169,8 +174,8 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
 
 
 def _solver(robot: Robot, task: str | Axis, request: SolveRequest) -> Solve:
-    def solve(targets: NDArray[np.float64], first_index: int) -> IkResult:
-        return robot.ik(
+    def solve(targets: NDArray[np.float64], first_index: int, ids: NDArray[Any]) -> ResultChunk:
+        result = robot.ik(
             targets,
             task=task,
             solver=request.solver,
@@ -180,8 +185,28 @@ def _solver(robot: Robot, task: str | Axis, request: SolveRequest) -> Solve:
             orientation_tolerance=request.orientation_tolerance,
             first_index=first_index,
         )
+        return ResultChunk(
+            ids=ids,
+            q=result.q,
+            status=result.status,
+            success=result.success,
+            position_error=result.position_error,
+            orientation_error=result.orientation_error,
+            iterations=result.iterations,
+            restarts=result.restarts,
+        )
 
-    return solve
+    def branches(targets: NDArray[np.float64], first_index: int, ids: NDArray[Any]) -> ResultChunk:
+        found = robot.ik_all(
+            targets,
+            task=task,
+            threads=request.threads,
+            position_tolerance=request.position_tolerance,
+            orientation_tolerance=request.orientation_tolerance,
+        )
+        return as_rows(robot, task, targets, found, ids)
+
+    return branches if request.all_branches else solve
 
 
 def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
@@ -190,7 +215,7 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
         "robot": robot.name,
         "targets": request.targets.name,
         "task": task,
-        "solver": request.solver,
+        "solver": "all branches" if request.all_branches else request.solver,
         "position_tolerance_m": repr(request.position_tolerance),
         "orientation_tolerance_rad": repr(request.orientation_tolerance),
         "seed": str(request.seed),

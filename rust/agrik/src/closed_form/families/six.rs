@@ -8,6 +8,10 @@ use crate::closed_form::geometry::rigid::Rigid;
 use crate::closed_form::geometry::screws::Screws;
 use crate::lanes::Level;
 
+/// Squared: where all candidates of a closed form miss by more, there is no posture. They keep as
+/// near as they can where an equation has no solution.
+const FAR_OFF: f64 = 1e-6;
+
 /// An arm of six joints, by what was recognised.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Way {
@@ -53,11 +57,11 @@ impl Six {
         if why.len() == 1 {
             why.insert(0, "neither its first nor its last three axes meet".to_owned());
         }
-        let order = match like.map(|like| &like.way) {
-            Some(Way::Ring(ring)) => Some(ring.first_is_reversed()),
+        let like = match like.map(|like| &like.way) {
+            Some(Way::Ring(ring)) => Some(&**ring),
             _ => None,
         };
-        let ring = Ring::new(screws, order).ok_or("it has no six joints that turn")?;
+        let ring = Ring::new(screws, like).ok_or("it has no six joints that turn")?;
         Ok(Self { way: Way::Ring(Box::new(ring)), why: why.join("; ") })
     }
 
@@ -89,19 +93,28 @@ impl Six {
         }
     }
 
-    /// All postures of goals (m); an angle that nothing decides is taken from `near`.
+    /// All postures of goals (m); an angle that nothing decides is taken from `near`, which are
+    /// start values where somebody gave such.
     pub fn solve(
         &self,
         level: Level,
         goals: &[Rigid<f64>],
-        near: &[[f64; 6]],
+        (near, given): (&[[f64; 6]], bool),
         sets: &mut [Set],
         work: &mut Work,
     ) {
         match &self.way {
             Way::Meeting(arm) => arm.solve(level, goals, near, sets),
             Way::ThreeParallel(arm) => arm.solve(level, goals, near, sets),
-            Way::Ring(arm) => arm.solve(level, goals, sets, work),
+            Way::Ring(arm) => {
+                arm.solve(level, goals, if given { near } else { &[] }, sets, work);
+            },
+        }
+        let closed = !matches!(self.way, Way::Ring(_));
+        for (set, near) in sets.iter_mut().zip(near) {
+            set.keep_nearest(self.branches(), near);
+            set.none |= closed && set.count == 0 && set.closest > FAR_OFF;
+            set.sort();
         }
     }
 }

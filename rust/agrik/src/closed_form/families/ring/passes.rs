@@ -4,7 +4,7 @@
 
 use super::cut::{Cut, ROWS};
 use super::isolate::{Arcs, Place, arcs, places};
-use super::null::{Factors, Products, angles, distance, two_products};
+use super::null::{Factors, angles, distance, two_products};
 use super::resultant::{ANGLES, HARMONICS, Harmonics, SAMPLES, harmonics, sample, value};
 use crate::closed_form::families::postures::{FINE, NEAR, Set};
 use crate::closed_form::geometry::rigid::Rigid;
@@ -29,6 +29,12 @@ const REFINE: usize = 40;
 const REFINED: f64 = 1e-9;
 /// Rounds of inverse iteration.
 const ROUNDS: usize = 2;
+
+/// A start that misses by more is none, arm lengths and rad.
+const HOPELESS: f64 = 0.5;
+/// Starts of a goal nearer to one another lead to the same posture, rad; so many are looked at.
+const SAME_START: f64 = 1e-6;
+const VARIANTS: usize = 4;
 
 /// Numbers of the equations of a goal.
 const NUMBERS: usize = 27 * ROWS;
@@ -66,6 +72,8 @@ pub struct OneCut<'a> {
     pub cut: &'a Cut,
     pub serial: &'a Serial<6>,
     pub goals: &'a [Rigid<f64>],
+    /// Start values of the goals, if there are any: what the roots may lead past.
+    pub near: &'a [[f64; 6]],
     pub sets: &'a mut [Set],
     pub work: &'a mut Work,
 }
@@ -89,6 +97,9 @@ impl Kernel for OneCut<'_> {
         self.refine::<R>();
         self.null_vectors::<R>();
         self.complete::<R>();
+        for (goal, q) in self.near.iter().enumerate() {
+            self.work.starts.push(Start { goal: goal as u32, q: *q });
+        }
         self.polish::<R>();
     }
 }
@@ -291,6 +302,7 @@ impl OneCut<'_> {
             // What is taken: turn, null vector and the lanes that have them.
             let mut found = [((R::zero(), R::zero()), [R::zero(); 12], 0_u32); 4];
             let mut round = 0;
+            let mut before = R::splat(f64::INFINITY);
             loop {
                 turn = angle.sin_cos();
                 let factors = Factors::new(&k, turn);
@@ -300,7 +312,10 @@ impl OneCut<'_> {
                     found[0] = (turn, v, 0);
                 }
                 let off = distance(&factors, &k, turn, &v);
-                active &= R::bits(R::splat(SHARP).lt(off.abs()));
+                // At a double root without end, and no use.
+                let nearer = off.abs().lt(R::splat(0.3) * before);
+                active &= R::bits(R::and(R::splat(SHARP).lt(off.abs()), nearer));
+                before = off.abs();
                 if active != 0 && round < SHARPEN {
                     round += 1;
                     let off = off.max(R::splat(-LONGEST)).min(R::splat(LONGEST));
@@ -320,9 +335,19 @@ impl OneCut<'_> {
                 }
                 break;
             }
-            for (turn, v, lanes) in &found {
+            // Place by place, so that the order does not depend on what shares the lanes.
+            let mut all = [[R::zero(); 6]; 4];
+            for (to, (turn, v, lanes)) in all.iter_mut().zip(&found) {
                 if *lanes != 0 {
-                    take(group, *turn, v, *lanes, thirds);
+                    let [x, y] = angles(v);
+                    *to = [turn.0, turn.1, x.0, x.1, y.0, y.1];
+                }
+            }
+            for (lane, place) in group.iter().enumerate() {
+                for (turns, (_, _, lanes)) in all.iter().zip(&found) {
+                    if lanes >> lane & 1 != 0 {
+                        thirds.push(Third { goal: place.goal, turns: lane_of(turns, lane) });
+                    }
                 }
             }
         }
@@ -350,8 +375,18 @@ impl OneCut<'_> {
                 (y[k], x[k]) = q[from];
             }
             let q = atan2_each(y, x);
+            let (_, left, _) = self.serial.errors(&q, &goal);
+            let near = R::bits(left.lt(R::splat(HOPELESS * HOPELESS)));
             for (lane, third) in group.iter().enumerate() {
-                starts.push(Start { goal: third.goal, q: lane_of(&q, lane) });
+                let start = Start { goal: third.goal, q: lane_of(&q, lane) };
+                // The variants of a place are often the same posture.
+                let known = starts.iter().rev().take(VARIANTS).any(|other| {
+                    other.goal == start.goal
+                        && other.q.iter().zip(&start.q).all(|(a, b)| (a - b).abs() < SAME_START)
+                });
+                if near >> lane & 1 != 0 && !known {
+                    starts.push(start);
+                }
             }
         }
     }
@@ -389,24 +424,6 @@ impl OneCut<'_> {
             } else {
                 *starts = list;
             }
-        }
-    }
-}
-
-/// Writes down the angles of null vectors, in some lanes.
-#[inline(always)]
-fn take<R: Real>(
-    group: &[Place],
-    turn: (R, R),
-    v: &Products<R>,
-    lanes: u32,
-    thirds: &mut Vec<Third>,
-) {
-    let [x, y] = angles(v);
-    let all = [turn.0, turn.1, x.0, x.1, y.0, y.1];
-    for (lane, place) in group.iter().enumerate() {
-        if lanes >> lane & 1 != 0 {
-            thirds.push(Third { goal: place.goal, turns: lane_of(&all, lane) });
         }
     }
 }
