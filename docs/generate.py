@@ -7,6 +7,7 @@ from pathlib import Path
 import architecture_picture
 import matplotlib as mpl
 import numpy as np
+import ring_picture
 
 import agrik_fast as ik
 from agrik_fast.papers import hydrolek, redundant7, strawberry, tomato
@@ -217,6 +218,7 @@ def main(folder: Path) -> None:
     draw_reach(folder / "reach.svg")
     draw_arm_angles(folder / "arm_angles.svg")
     draw_branches(folder / "branches.svg")
+    ring_picture.draw(folder / "ring.svg", save)
     strawberry.reproduce(folder / "papers" / "strawberry")
     tomato.reproduce(folder / "papers" / "tomato")
     hydrolek.reproduce(folder / "papers" / "hydrolek")

@@ -3,7 +3,7 @@
 use super::branches::{Branches, BranchesMut};
 use super::locked::Values;
 use super::warning;
-use crate::call::{Request, Starts, Status};
+use crate::call::{AnswersMut, Outcome, Request, Starts, Status};
 use crate::closed_form::families::every::Every;
 use crate::closed_form::families::postures::Set;
 use crate::closed_form::families::ring::Work;
@@ -12,6 +12,7 @@ use crate::closed_form::geometry::limit::{Limit, SLACK};
 use crate::closed_form::geometry::rigid::Rigid;
 use crate::closed_form::geometry::screws::{EXACT, Screw, Screws, norm};
 use crate::error::{Error, Result};
+use crate::kinematics::{Workspace, forward};
 use crate::lanes::{Level, V3, cross, dot, sub};
 use crate::task::{Task, axis_goal, rotation_between};
 use crate::threads::share;
@@ -28,6 +29,14 @@ pub struct AnyArm<'a> {
     pub lock: Option<(usize, Values<'a>)>,
     /// Joints that the arm lacks.
     pub added: Option<Added>,
+}
+
+/// Targets with what was found for them.
+struct Solved {
+    goals: Vec<Rigid<f64>>,
+    near: Vec<[f64; 6]>,
+    sets: Vec<Set>,
+    bad: Vec<bool>,
 }
 
 /// An arm of fewer than six joints, with turns about the tool point added that the task does not
@@ -122,24 +131,43 @@ impl<'a> AnyArm<'a> {
 
     /// The branches of a run.
     fn run(&self, level: Level, like: &Six, rows: &mut BranchesMut<'_>) {
+        let Solved { goals, near, mut sets, bad } = self.solved(level, like, rows.first, rows.len());
+        for i in 0..rows.len() {
+            if let Some(added) = &self.added {
+                self.drop_added(added, rows, i, &goals[i], &mut sets[i]);
+            }
+            self.write(rows, i, &sets[i], &near[i], bad[i]);
+            if let Some(left) = rows.left.get(i)
+                && rows.status[i] == Status::NotFound as u8
+                && left.is_finite()
+            {
+                rows.status[i] = Status::Overdetermined as u8;
+            }
+        }
+    }
+
+    /// The postures of targets `first..first + count`.
+    fn solved(&self, level: Level, like: &Six, first: usize, count: usize) -> Solved {
         let (every, (free, joints)) = (self.every, self.free());
         let mut work = Work::default();
-        let mut goals = Vec::with_capacity(rows.len());
-        let mut near = Vec::with_capacity(rows.len());
-        let mut sets = vec![Set::new(); rows.len()];
-        let mut bad = vec![false; rows.len()];
+        let mut goals = Vec::with_capacity(count);
+        let mut near = Vec::with_capacity(count);
+        let mut sets = vec![Set::new(); count];
+        let mut bad = vec![false; count];
         let unit = Rigid::<f64>::identity();
         let given = !matches!(self.request.starts(), Starts::Free);
         let last = every.joints() - 1;
-        for i in 0..rows.len() {
-            let row = rows.first + i;
+        for (i, bad) in bad.iter_mut().enumerate() {
+            let row = first + i;
             let goal = self.goal(row);
-            bad[i] = goal.is_none();
+            *bad = goal.is_none();
             let mut goal = goal.unwrap_or(unit);
             if let Some((joint, values)) = &self.lock {
                 let value = values.row(row);
                 let screw = every.screws.joints[*joint];
-                if *joint == 0 {
+                if !value.is_finite() {
+                    *bad = true;
+                } else if *joint == 0 {
                     goal = screw.turn(-value).after(&goal);
                 } else if *joint == last {
                     // The tool turns with it, and its own frame with the tool.
@@ -148,7 +176,7 @@ impl<'a> AnyArm<'a> {
                 }
             }
             goals.push(goal);
-            let q0 = self.request.start(row);
+            let q0 = self.request.start(row).filter(|_| !*bad);
             let mut about = [0.0; 6];
             for (x, k) in about.iter_mut().zip(&free[..joints]) {
                 let limit = &every.limits[*k];
@@ -162,10 +190,10 @@ impl<'a> AnyArm<'a> {
             Some((joint, values)) if *joint != 0 && *joint != last => {
                 // Neighbours with the same value are solved together.
                 let mut begin = 0;
-                while begin < rows.len() {
-                    let value = values.row(rows.first + begin);
+                while begin < count {
+                    let value = values.row(first + begin);
                     let mut end = begin + 1;
-                    while end < rows.len() && values.row(rows.first + end) == value {
+                    while end < count && values.row(first + end) == value {
                         end += 1;
                     }
                     if value.is_finite()
@@ -182,17 +210,60 @@ impl<'a> AnyArm<'a> {
             }
             _ => like.solve(level, &goals, (&near, given), &mut sets, &mut work),
         }
-        for i in 0..rows.len() {
-            if let Some(added) = &self.added {
-                self.drop_added(added, rows, i, &goals[i], &mut sets[i]);
+        Solved { goals, near, sets, bad }
+    }
+
+    /// The branch within the limits that is nearest to the start values (else the middle of the
+    /// limits) as the answer to each row of a run; open where there is none.
+    pub(crate) fn answer(&self, level: Level, like: &Six, rows: &mut AnswersMut<'_>) {
+        let chain = self.request.chain();
+        let mut workspace = Workspace::<f64>::new(chain.compiled());
+        let (free, _) = self.free();
+        let mut q = vec![0.0; chain.dof()];
+        let mut begin = 0;
+        while begin < rows.len() {
+            let count = RUN.min(rows.len() - begin);
+            let found = self.solved(level, like, rows.first + begin, count);
+            for i in 0..count {
+                let row = begin + i;
+                let mut best: Option<(f64, [f64; 6])> = None;
+                for posture in found.sets[i].postures() {
+                    let mut one = *posture;
+                    let mut inside = true;
+                    for (k, x) in one.iter_mut().enumerate() {
+                        let limit = &self.every.limits[free[k]];
+                        let within;
+                        (*x, within) = representative(limit, *x, found.near[i][k]);
+                        inside &= within;
+                    }
+                    let far = apart(&one, &found.near[i]);
+                    if inside && best.is_none_or(|(known, _)| far < known) {
+                        best = Some((far, one));
+                    }
+                }
+                let goal = self.request.goal(rows.first + row);
+                let (Some((_, posture)), Some(goal)) = (best, goal) else {
+                    let status = if found.bad[i] { Status::BadInput } else { Status::NotFound };
+                    let answer = rows.finish(row, Outcome::unanswered(status));
+                    answer.copy_from_slice(&chain.near_zero());
+                    continue;
+                };
+                for (k, x) in posture.into_iter().enumerate() {
+                    q[self.every.order[free[k]]] = x;
+                }
+                forward(chain.compiled(), &q, &mut workspace);
+                let (position2, orientation2) = self.request.errors(&workspace, &goal);
+                let (position, orientation) = (position2.sqrt(), orientation2.sqrt());
+                let tolerance = self.request.tolerance();
+                let near = position <= tolerance.position && orientation <= tolerance.orientation;
+                let outcome = Outcome {
+                    position_error: position,
+                    orientation_error: orientation,
+                    ..Outcome::unanswered(if near { Status::Converged } else { Status::NotFound })
+                };
+                rows.finish(row, outcome).copy_from_slice(&q);
             }
-            self.write(rows, i, &sets[i], &near[i], bad[i]);
-            if let Some(left) = rows.left.get(i)
-                && rows.status[i] == Status::NotFound as u8
-                && left.is_finite()
-            {
-                rows.status[i] = Status::Overdetermined as u8;
-            }
+            begin += count;
         }
     }
 

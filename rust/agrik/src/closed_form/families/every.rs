@@ -24,6 +24,8 @@ pub struct Every {
     pub limits: Vec<Limit>,
     /// The arm of six joints.
     six: OnceLock<Result<Six, String>>,
+    /// The same where it has a closed form: found without the trials of the general way.
+    closed: OnceLock<Option<Six>>,
     /// Of seven joints: the arm with a joint locked at 0 or in the middle of its limits.
     locked: Vec<OnceLock<Result<Six, String>>>,
 }
@@ -61,6 +63,7 @@ impl Every {
             locked: order.iter().map(|_| OnceLock::new()).collect(),
             order,
             six: OnceLock::new(),
+            closed: OnceLock::new(),
         })
     }
 
@@ -73,6 +76,12 @@ impl Every {
     pub fn six(&self) -> Result<&Six, &str> {
         let made = self.six.get_or_init(|| Six::new(&self.screws, None));
         made.as_ref().map_err(String::as_str)
+    }
+
+    /// The arm of six joints, if it has a closed form.
+    pub fn closed(&self) -> Option<&Six> {
+        let made = || if self.joints() == 6 { Six::closed(&self.screws).ok() } else { None };
+        self.closed.get_or_init(made).as_ref()
     }
 
     /// The arm of seven joints with one locked at its [`Self::rest`]: what arms locked at other

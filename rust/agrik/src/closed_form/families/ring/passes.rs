@@ -96,10 +96,10 @@ impl Kernel for OneCut<'_> {
         self.polynomials::<R>();
         self.refine::<R>();
         self.null_vectors::<R>();
-        self.complete::<R>();
         for (goal, q) in self.near.iter().enumerate() {
             self.work.starts.push(Start { goal: goal as u32, q: *q });
         }
+        self.complete::<R>();
         self.polish::<R>();
     }
 }
