@@ -289,7 +289,7 @@ class Chain:
         locked: Mapping[str, ArrayLike] | None = None,
         sweep: int | None = None,
         wrap: bool = False,
-        task: Task | str | None = None,
+        task: object = None,
     ) -> Branches:
         """All branches of a batch of poses; see `agrik_fast.Robot.ik_all`."""
 

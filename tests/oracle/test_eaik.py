@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from branch_arms import of_reference, reference
 from eaik.IK_HP import HPRobot
 
 import agrik_fast as ik
+from branch_arms import of_reference, reference
 
 DATA = Path(__file__).parent.parent / "data"
 POSES = 2000

@@ -87,7 +87,9 @@ pub fn solve_all<'py>(
         return Err(errors::argument(py, "targets", &received, expected));
     }
     let locked = Locked::new(wishes.locked, chain, leading)?;
-    let sweep = wishes.sweep.map(|sweep| convert::whole("sweep", sweep, 1, MOST_VALUES))
+    let sweep = wishes
+        .sweep
+        .map(|sweep| convert::whole("sweep", sweep, 1, MOST_VALUES))
         .transpose()?
         .map(|count| count as usize);
     if !locked.is_empty() || sweep.is_some() || wishes.wrap || !family {

@@ -40,9 +40,7 @@ impl Branches {
         all: closed_form::Branches,
         q: Option<Py<PyArrayDyn<f64>>>,
     ) -> Self {
-        let has = |s: &&u8| {
-            **s == Status::Converged as u8 || **s == Status::SingularFamily as u8
-        };
+        let has = |s: &&u8| **s == Status::Converged as u8 || **s == Status::SingularFamily as u8;
         let (solved, targets) = (all.status.iter().filter(has).count(), all.status.len());
         Self {
             shape,

@@ -16,8 +16,8 @@ mod families;
 mod geometry;
 
 pub use branch::choice::Choice;
-pub use calls::any_arm::AnyArm;
 pub use calls::all_branches::{all, all_into};
+pub use calls::any_arm::AnyArm;
 pub use calls::arm_angle::ArmAngle;
 pub use calls::branches::{Branches, BranchesMut};
 pub use calls::every_branch::{Ask, every, reason};

@@ -131,7 +131,8 @@ impl<'a> AnyArm<'a> {
 
     /// The branches of a run.
     fn run(&self, level: Level, like: &Six, rows: &mut BranchesMut<'_>) {
-        let Solved { goals, near, mut sets, bad } = self.solved(level, like, rows.first, rows.len());
+        let Solved { goals, near, mut sets, bad } =
+            self.solved(level, like, rows.first, rows.len());
         for i in 0..rows.len() {
             if let Some(added) = &self.added {
                 self.drop_added(added, rows, i, &goals[i], &mut sets[i]);
@@ -180,9 +181,8 @@ impl<'a> AnyArm<'a> {
             let mut about = [0.0; 6];
             for (x, k) in about.iter_mut().zip(&free[..joints]) {
                 let limit = &every.limits[*k];
-                *x = q0.map_or(limit.middle, |q0| {
-                    q0[every.order[*k]].clamp(limit.lower, limit.upper)
-                });
+                *x = q0
+                    .map_or(limit.middle, |q0| q0[every.order[*k]].clamp(limit.lower, limit.upper));
             }
             near.push(about);
         }
@@ -197,8 +197,7 @@ impl<'a> AnyArm<'a> {
                         end += 1;
                     }
                     if value.is_finite()
-                        && let Ok(six) =
-                            Six::new(&every.screws.locked(*joint, value), Some(like))
+                        && let Ok(six) = Six::new(&every.screws.locked(*joint, value), Some(like))
                     {
                         let range = begin..end;
                         let sets = &mut sets[range.clone()];
@@ -316,14 +315,7 @@ impl<'a> AnyArm<'a> {
     }
 
     /// Writes the postures of target `i` of a run.
-    fn write(
-        &self,
-        rows: &mut BranchesMut<'_>,
-        i: usize,
-        set: &Set,
-        near: &[f64; 6],
-        bad: bool,
-    ) {
+    fn write(&self, rows: &mut BranchesMut<'_>, i: usize, set: &Set, near: &[f64; 6], bad: bool) {
         let (every, dof) = (self.every, self.request.chain().dof());
         let count = rows.valid.len() / rows.status.len();
         let (free, joints) = self.free();
@@ -352,7 +344,8 @@ impl<'a> AnyArm<'a> {
             any |= inside;
             reached += u32::from(exists);
         }
-        let free_joint = (0..joints).find(|k| set.free >> k & 1 != 0).filter(|_| !bad && reached > 0);
+        let free_joint =
+            (0..joints).find(|k| set.free >> k & 1 != 0).filter(|_| !bad && reached > 0);
         rows.status[i] = if bad {
             Status::BadInput
         } else if any && free_joint.is_some() {
@@ -405,4 +398,3 @@ pub fn representative(limit: &Limit, x: f64, centre: f64) -> (f64, bool) {
 pub fn apart(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
 }
-

@@ -101,16 +101,18 @@ impl<'a> BranchesMut<'a> {
             .zip(pieces(self.free, size))
             .zip(pieces(self.left, size))
             .enumerate()
-            .map(|(i, (((((((q, valid), reached), singular), status), warnings), free), left))| BranchesMut {
-                first: self.first + i * size,
-                q,
-                valid,
-                reached,
-                singular,
-                status,
-                warnings,
-                free,
-                left,
+            .map(|(i, (((((((q, valid), reached), singular), status), warnings), free), left))| {
+                BranchesMut {
+                    first: self.first + i * size,
+                    q,
+                    valid,
+                    reached,
+                    singular,
+                    status,
+                    warnings,
+                    free,
+                    left,
+                }
             })
             .collect()
     }
@@ -119,5 +121,9 @@ impl<'a> BranchesMut<'a> {
 /// Pieces of a size; of nothing as many empty ones as are asked for.
 fn pieces<T>(all: &mut [T], size: usize) -> impl Iterator<Item = &mut [T]> {
     let none = all.is_empty();
-    all.chunks_mut(size).chain(std::iter::repeat_with(|| &mut [][..]).take(if none { usize::MAX } else { 0 }))
+    all.chunks_mut(size).chain(std::iter::repeat_with(|| &mut [][..]).take(if none {
+        usize::MAX
+    } else {
+        0
+    }))
 }

@@ -80,7 +80,9 @@ fn at_values(
         [] => {
             let Ok(every) = every else {
                 // A slide at the base is a joint to lock, one inside is not.
-                return if Lead::of(chain).is_ok_and(|lead| lead.way().is_some() && rest_is_known(lead.rest())) {
+                return if Lead::of(chain)
+                    .is_ok_and(|lead| lead.way().is_some() && rest_is_known(lead.rest()))
+                {
                     Query::new(*request, angle, Choice::default()).map(|_| Branches::default())
                 } else {
                     unsupported(request)
@@ -107,8 +109,7 @@ fn at_values(
         }
         [one] if is_elbow(chain, one.variable) => {
             let poses = super::locked::checked(request, locks)?;
-            let mut found =
-                all(&Query::new(*request, angle, Choice::default())?, threads, poll)?;
+            let mut found = all(&Query::new(*request, angle, Choice::default())?, threads, poll)?;
             at_elbow(&mut found, one, poses.len(), chain.dof());
             Ok(found)
         }
@@ -193,8 +194,9 @@ fn with_few_joints(
     }
     let Ok(every) = Every::of(chain) else { return unsupported(request) };
     match Added::new(request, every) {
-        Ok(added) => AnyArm { request: *request, every, lock: None, added: Some(added) }
-            .solve(threads, poll),
+        Ok(added) => {
+            AnyArm { request: *request, every, lock: None, added: Some(added) }.solve(threads, poll)
+        }
         Err(_) => unsupported(request),
     }
 }

@@ -154,9 +154,11 @@ impl Part<'_, '_> {
         poll: &mut dyn FnMut() -> bool,
     ) -> Result<Branches> {
         let form = form_of(chain).map_err(|error| match error {
-            Error::Argument { received, .. } => {
-                Error::argument("locked", "joints that leave an arm whose branches are known", received)
-            }
+            Error::Argument { received, .. } => Error::argument(
+                "locked",
+                "joints that leave an arm whose branches are known",
+                received,
+            ),
             other => other,
         });
         let aim = self.request.aim();

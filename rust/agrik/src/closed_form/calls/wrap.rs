@@ -52,8 +52,7 @@ pub(super) fn wrapped(request: &Request<'_>, locks: &[Lock<'_>], found: Branches
                 for one in &some {
                     for turn in low..=high {
                         let mut other = one.clone();
-                        other[variable] =
-                            (q[variable] + TAU * turn as f64).clamp(v.lower, v.upper);
+                        other[variable] = (q[variable] + TAU * turn as f64).clamp(v.lower, v.upper);
                         next.push(other);
                     }
                     if next.len() > MOST {

@@ -52,10 +52,7 @@ impl Every {
         forward(compiled, &vec![0.0; compiled.dof], &mut workspace);
         let joints = workspace.axes.iter();
         let joints = joints.map(|axis| Screw { axis: axis.direction, point: axis.origin });
-        let tool = Rigid {
-            axes: workspace.joint_axes(),
-            shift: workspace.tool_point([0.0; 3]),
-        };
+        let tool = Rigid { axes: workspace.joint_axes(), shift: workspace.tool_point([0.0; 3]) };
         let order: Vec<usize> = compiled.links.iter().map(|link| link.variable).collect();
         Ok(Self {
             screws: Screws { joints: joints.collect(), tool },
@@ -109,4 +106,3 @@ impl Every {
         if share > EXACT && share < NEARLY { 2 } else { last }
     }
 }
-

@@ -88,9 +88,7 @@ impl Set {
     /// The same with its singularities and free joints.
     pub fn add_with(&mut self, q: &[f64; 6], singular: u8, free: u8) -> bool {
         let q = q.map(turned);
-        let same = |other: &[f64; 6]| {
-            other.iter().zip(&q).all(|(a, b)| turned(a - b).abs() < SAME)
-        };
+        let same = |other: &[f64; 6]| other.iter().zip(&q).all(|(a, b)| turned(a - b).abs() < SAME);
         if self.count == MOST || self.postures().iter().any(same) {
             return false;
         }

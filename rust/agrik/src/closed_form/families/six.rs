@@ -116,7 +116,7 @@ impl Six {
             Way::ThreeParallel(arm) => arm.solve(level, goals, near, sets),
             Way::Ring(arm) => {
                 arm.solve(level, goals, if given { near } else { &[] }, sets, work);
-            },
+            }
         }
         let closed = !matches!(self.way, Way::Ring(_));
         for (set, near) in sets.iter_mut().zip(near) {

@@ -11,9 +11,7 @@ use crate::closed_form::geometry::rigid::{Rigid, turned_about};
 use crate::closed_form::geometry::screws::{EXACT, Screws, norm};
 use crate::closed_form::geometry::serial::Serial;
 use crate::closed_form::geometry::turn::{Side, linear, unit_turn};
-use crate::lanes::{
-    Kernel, Level, Real, V3, atan2_each, axpy, cross, dispatch, dot, splat3, sub,
-};
+use crate::lanes::{Kernel, Level, Real, V3, atan2_each, axpy, cross, dispatch, dot, splat3, sub};
 
 /// Lengths (arm lengths) below which an equation leaves its angle open.
 const OPEN: f64 = 1e-9;
@@ -128,7 +126,8 @@ impl ThreeParallel {
             turned_about(axis[0], back, all.axes[2]),
         ];
         let shift = turned_about(axis[0], back, sub(all.shift, first));
-        let rest = Rigid { axes, shift: [shift[0] + first[0], shift[1] + first[1], shift[2] + first[2]] };
+        let rest =
+            Rigid { axes, shift: [shift[0] + first[0], shift[1] + first[1], shift[2] + first[2]] };
         // The direction of axis 6 along the parallel axes.
         let (nw, ww) = (dot(n, axis[4]), dot(axis[4], axis[5]));
         let a = dot(n, axis[5]) - nw * ww;
@@ -173,10 +172,7 @@ impl ThreeParallel {
             q: [q1, q2, q3, q4, q5, q6],
             merged: one.merged | five.merged | three.merged,
             singular: [one.singular, three.singular, five.singular | open],
-            open: [
-                (R::bits(a_of(p, axis[0], n).lt(R::splat(OPEN * OPEN))), 1),
-                (open, 1 << 5),
-            ],
+            open: [(R::bits(a_of(p, axis[0], n).lt(R::splat(OPEN * OPEN))), 1), (open, 1 << 5)],
         }
     }
 }
@@ -246,4 +242,3 @@ impl Kernel for All<'_> {
 fn fixed<R: Real>(way: usize, bit: usize) -> Side<R> {
     if way >> bit & 1 == 0 { Side::first() } else { Side::second() }
 }
-

@@ -87,7 +87,11 @@ impl Geometry {
     /// The geometry of lines, each a point (m) and a direction, of joints without limits;
     /// `last_x` is a direction across the last one from which its joint is counted, and `reach`
     /// the size that the tolerance is a share of, m.
-    pub fn of_lines(lines: &[(V3<f64>, V3<f64>)], last_x: V3<f64>, reach: f64) -> Result<Self, String> {
+    pub fn of_lines(
+        lines: &[(V3<f64>, V3<f64>)],
+        last_x: V3<f64>,
+        reach: f64,
+    ) -> Result<Self, String> {
         let free = Limit {
             lower: f64::NEG_INFINITY,
             upper: f64::INFINITY,

@@ -52,11 +52,7 @@ impl<R: Real> Rigid<R> {
     /// A point moved.
     #[inline(always)]
     pub fn apply(&self, p: V3<R>) -> V3<R> {
-        axpy(
-            self.axes[2],
-            p[2],
-            axpy(self.axes[1], p[1], axpy(self.axes[0], p[0], self.shift)),
-        )
+        axpy(self.axes[2], p[2], axpy(self.axes[1], p[1], axpy(self.axes[0], p[0], self.shift)))
     }
 
     /// `self` after `first`.

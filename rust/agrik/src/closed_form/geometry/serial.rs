@@ -143,7 +143,13 @@ impl Serial<6> {
     /// Newton's steps, at most so many, from where a posture is: until all lanes are as near as
     /// rounding lets them come, or some lanes come no nearer.
     #[inline(always)]
-    pub fn approach<R: Real>(&self, start: [R; 6], goal: &Rigid<R>, steps: usize, fine: f64) -> Posture<R, 6> {
+    pub fn approach<R: Real>(
+        &self,
+        start: [R; 6],
+        goal: &Rigid<R>,
+        steps: usize,
+        fine: f64,
+    ) -> Posture<R, 6> {
         let mut q = start;
         let mut best = Posture { q, left: R::splat(f64::INFINITY) };
         // A lane that has arrived stays as it is, whatever its neighbours need.

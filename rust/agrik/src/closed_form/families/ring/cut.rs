@@ -151,8 +151,7 @@ impl Cut {
     /// Four equations of the numbers that `g1` leaves alone.
     #[inline(always)]
     fn still_rows<R: Real>(&self, far: &Far<R>, out: &mut [[R; TERMS]; ROWS]) {
-        let (mut one, mut two, mut constant) =
-            ([R::zero(); 6], [R::zero(); 6], [R::zero(); 6]);
+        let (mut one, mut two, mut constant) = ([R::zero(); 6], [R::zero(); 6], [R::zero(); 6]);
         for (k, i) in STILL.into_iter().enumerate() {
             constant[k] = far.parts[0][i];
             one[k] = far.parts[1][i];

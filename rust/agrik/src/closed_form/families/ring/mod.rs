@@ -13,6 +13,7 @@ mod null;
 mod passes;
 mod rescue;
 mod resultant;
+mod rows;
 
 use std::f64::consts::{PI, TAU};
 

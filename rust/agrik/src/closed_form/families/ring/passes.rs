@@ -2,10 +2,11 @@
 //! roots, then postures, so that a batch keeps them full; of a single goal they hold the samples
 //! first. What a lane computes does not depend on the others.
 
-use super::cut::{Cut, ROWS};
+use super::cut::Cut;
 use super::isolate::{Arcs, Place, arcs, places};
 use super::null::{Factors, angles, distance, two_products};
 use super::resultant::{ANGLES, HARMONICS, Harmonics, SAMPLES, harmonics, sample, value};
+use super::rows::{MOTION, NUMBERS, flat, from_row, gather, in_row, lane_of, motion, used};
 use crate::closed_form::families::postures::{FINE, NEAR, Set};
 use crate::closed_form::geometry::rigid::Rigid;
 use crate::closed_form::geometry::serial::Serial;
@@ -35,11 +36,6 @@ const HOPELESS: f64 = 0.5;
 /// Starts of a goal nearer to one another lead to the same posture, rad; so many are looked at.
 const SAME_START: f64 = 1e-6;
 const VARIANTS: usize = 4;
-
-/// Numbers of the equations of a goal.
-const NUMBERS: usize = 27 * ROWS;
-/// Numbers of a goal.
-const MOTION: usize = 12;
 
 /// The three angles that a null vector gives, as sine and cosine, before the rest is known.
 #[derive(Clone, Copy)]
@@ -102,77 +98,6 @@ impl Kernel for OneCut<'_> {
         self.complete::<R>();
         self.polish::<R>();
     }
-}
-
-/// A goal as numbers in a row.
-fn flat(goal: &Rigid<f64>) -> [f64; MOTION] {
-    let [x, y, z] = goal.axes;
-    let t = goal.shift;
-    [x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2], t[0], t[1], t[2]]
-}
-
-/// Rows of numbers, one a lane (the last over again where there are fewer), as lanes.
-#[inline(always)]
-fn gather<R: Real, const N: usize>(rows: &[&[f64; N]; WIDEST]) -> [R; N] {
-    let mut out = [R::zero(); N];
-    for (k, x) in out.iter_mut().enumerate() {
-        let mut one = [0.0; WIDEST];
-        for lane in 0..R::WIDTH {
-            one[lane] = rows[lane][k];
-        }
-        *x = R::load(&one);
-    }
-    out
-}
-
-/// One lane of numbers.
-#[inline(always)]
-fn lane_of<R: Real, const N: usize>(numbers: &[R; N], lane: usize) -> [f64; N] {
-    let mut out = [0.0; N];
-    for (x, from) in out.iter_mut().zip(numbers) {
-        *x = from.lane(lane);
-    }
-    out
-}
-
-/// The motion of twelve numbers.
-#[inline(always)]
-fn motion<R: Real>(x: &[R; MOTION]) -> Rigid<R> {
-    let axes = [[x[0], x[1], x[2]], [x[3], x[4], x[5]], [x[6], x[7], x[8]]];
-    Rigid { axes, shift: [x[9], x[10], x[11]] }
-}
-
-/// Equations in a row of numbers, and back.
-#[inline(always)]
-fn in_row<R: Real>(k: &[[[R; ROWS]; 9]; 3]) -> [R; NUMBERS] {
-    let mut out = [R::zero(); NUMBERS];
-    for a in 0..3 {
-        for j in 0..9 {
-            for i in 0..ROWS {
-                out[(9 * a + j) * ROWS + i] = k[a][j][i];
-            }
-        }
-    }
-    out
-}
-
-#[inline(always)]
-fn from_row<R: Real>(row: &[R; NUMBERS]) -> [[[R; ROWS]; 9]; 3] {
-    let mut out = [[[R::zero(); ROWS]; 9]; 3];
-    for a in 0..3 {
-        for j in 0..9 {
-            for i in 0..ROWS {
-                out[a][j][i] = row[(9 * a + j) * ROWS + i];
-            }
-        }
-    }
-    out
-}
-
-/// Lanes that hold something of a group, a bit each.
-#[inline(always)]
-fn used(count: usize) -> u32 {
-    u32::MAX >> (32 - count as u32)
 }
 
 impl OneCut<'_> {

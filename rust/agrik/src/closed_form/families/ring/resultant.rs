@@ -63,8 +63,8 @@ fn reduce<R: Real>(columns: &mut [[R; ROWS]; 9]) -> R {
 #[inline(always)]
 pub fn sample<R: Real>(equations: &Equations<R>, at: (R, R)) -> R {
     let mut above = columns(equations, at);
-    let mut below = [above[6], above[7], above[8], above[0], above[1], above[2], above[3],
-        above[4], above[5]];
+    let mut below =
+        [above[6], above[7], above[8], above[0], above[1], above[2], above[3], above[4], above[5]];
     let mut product = reduce(&mut above) * reduce(&mut below);
     let mut left = [[R::zero(); ROWS]; ROWS];
     for (j, column) in left.iter_mut().enumerate() {
