@@ -9,6 +9,7 @@ import elements
 import hardware_pictures
 import matplotlib as mpl
 import numpy as np
+import ring_picture
 import solids_picture
 
 import agrik_fast as ik
@@ -220,6 +221,7 @@ def main(folder: Path) -> None:
     draw_reach(folder / "reach.svg")
     draw_arm_angles(folder / "arm_angles.svg")
     draw_branches(folder / "branches.svg")
+    ring_picture.draw(folder / "ring.svg", save)
     strawberry.reproduce(folder / "papers" / "strawberry")
     tomato.reproduce(folder / "papers" / "tomato")
     hydrolek.reproduce(folder / "papers" / "hydrolek")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
         UnknownNameError,
         UrdfError,
     )
-    from .result import Branches, IkResult, Singularity, Status, Warnings
+    from .result import Branches, Family, IkResult, Singularity, Status, Warnings
     from .robot import Path, Robot
 else:
     from ._lazy import __dir__ as __dir__
@@ -28,6 +28,7 @@ __all__ = [
     "AgrikError",
     "ArgumentError",
     "Branches",
+    "Family",
     "IkResult",
     "Path",
     "Robot",

@@ -9,6 +9,7 @@ MODULE_OF = {
     "AgrikError": "errors",
     "ArgumentError": "errors",
     "Branches": "result",
+    "Family": "result",
     "IkResult": "result",
     "Path": "robot",
     "Robot": "robot",

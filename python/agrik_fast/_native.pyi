@@ -321,6 +321,9 @@ class Chain:
         orientation_tolerance: ArrayLike | None = None,
         tolerance_frame: str | None = None,
         locked: Mapping[str, ArrayLike] | None = None,
+        sweep: int | None = None,
+        wrap: bool = False,
+        task: object = None,
     ) -> Branches:
         """All branches of a batch of poses; see `agrik_fast.Robot.ik_all`."""
 
@@ -331,6 +334,10 @@ class Chain:
         self, target: ArrayLike, tool: ArrayLike | None = None
     ) -> list[list[tuple[float, float]]]:
         """Arm angles that the limits allow for one pose: for each branch (lower, upper), rad."""
+
+    @property
+    def family(self) -> tuple[str, str, str, int, str | None]:
+        """Name, method, reason, most branches and locked joint, see `agrik_fast.Robot.family`."""
 
     @property
     def closed_form(self) -> tuple[str | None, str | None]:
@@ -360,6 +367,25 @@ class Branches:
     def status(self) -> NDArray[np.uint8]:
         """Codes of `agrik_fast.Status`."""
 
+    @property
+    def warnings(self) -> NDArray[np.uint8]:
+        """Sums of codes of `agrik_fast.Warnings`, one a target."""
+
+    @property
+    def free_joint(self) -> NDArray[np.int8]:
+        """Entry of `q` that a singularity leaves free, -1 for none; one a target."""
+
+    @property
+    def value(self) -> NDArray[np.float64]:
+        """Value of the swept joint or arm angle of each branch, rad or m; NaN without a sweep."""
+
+    @property
+    def branch(self) -> NDArray[np.uint32]:
+        """Number of each branch among those of its value."""
+
+    @property
+    def orientation_error(self) -> NDArray[np.float64]:
+        """Least angle left, rad, of targets that ask for more than the arm has joints for."""
     def __len__(self) -> int:
         """Return the number of rows along the first dimension of the targets."""
 
@@ -558,6 +584,11 @@ def branches(
     reached: NDArray[np.bool_],
     singular: NDArray[np.uint8],
     status: NDArray[np.uint8],
+    warnings: NDArray[np.uint8],
+    free_joint: NDArray[np.int8],
+    value: NDArray[np.float64],
+    branch: NDArray[np.uint32],
+    orientation_error: NDArray[np.float64],
 ) -> Branches:
     """Return the record of arrays that belong together, such as those of another record."""
 

@@ -48,7 +48,18 @@ _FIELDS = {
         "clearance",
         "nearest_pair",
     ),
-    "Branches": ("q", "valid", "reached", "singular", "status"),
+    "Branches": (
+        "q",
+        "valid",
+        "reached",
+        "singular",
+        "status",
+        "warnings",
+        "free_joint",
+        "value",
+        "branch",
+        "orientation_error",
+    ),
 }
 # Rows of a table in a notebook.
 _SHOWN = 10

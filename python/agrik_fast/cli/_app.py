@@ -148,6 +148,13 @@ def solve(
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 3 unless every row is solved.")
     ] = False,
+    all_branches: Annotated[
+        bool,
+        typer.Option(
+            "--all-branches",
+            help="Write a row for each branch of a target within the limits; no solver then.",
+        ),
+    ] = False,
 ) -> None:
     """Solve every target of a file and write the joint values to another.
 
@@ -195,6 +202,7 @@ def solve(
             scene_name="" if scene is None else scene.name,
             clear=clear,
             prefer=parse_preference(prefer),
+            all_branches=all_branches,
         )
         summary = solve_words(request, for_stream(sys.stderr))
         kept.what = lambda: f"results: {output}"

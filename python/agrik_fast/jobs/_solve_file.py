@@ -6,7 +6,7 @@ import contextlib
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,8 @@ from ..io import (
     open_results,
     read_targets,
 )
-from ..result import IkResult
 from ..robot import Prefer, Robot, SceneOf
+from ._one_row_a_branch import as_rows
 from ._pipeline import Pipeline, Solve
 from ._progress import Progress, Silent
 from ._robot_choice import RobotChoice
@@ -83,6 +83,9 @@ class SolveRequest:
         Distance that answers keep from it.
     prefer : {"first", "near", "clearance"}
         Which of several free postures.
+    all_branches : bool
+        One row for each branch of a target that `Robot.ik_all` finds within the limits, in
+        place of the answer of a solver.
     """
 
     robot: str
@@ -109,6 +112,7 @@ class SolveRequest:
     q0: tuple[float, ...] | None = None
     mask: tuple[float, ...] | None = None
     mask_frame: Literal["base", "tool"] = "base"
+    all_branches: bool = False
 
     @property
     def choice(self) -> RobotChoice:
@@ -146,6 +150,8 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
         raise ArgumentError("clear", repr(request.clear), "a number >= 0")
     if request.scene is None and (request.clear != 0.0 or request.prefer != "first"):
         raise ArgumentError("scene", "none", "one, since `clear` or `prefer` asks for it")
+    if request.all_branches and request.scene is not None:
+        raise ArgumentError("scene", "one", "none: all branches are told, whatever they hit")
     robot = request.choice.load()
     reader = read_targets(request.targets)
     if request.output.exists() and request.output.samefile(request.targets):
@@ -168,9 +174,9 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
             progress.note(f"not used: {', '.join(reader.ignored)}")
         waiting: list[ResultChunk] = []
         with contextlib.closing(work.pieces()) as pieces:
-            for piece in pieces:
+            for targets, piece in pieces:
                 summary.add(piece)
-                progress.advance(len(piece))
+                progress.advance(targets)
                 if waiting and _id_bytes([*waiting, piece]) > WRITE_ID_BYTES:
                     writer.write(ResultChunk.joined(waiting))
                     waiting.clear()
@@ -186,8 +192,8 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
 
 
 def _solver(robot: Robot, task: JobTask, request: SolveRequest) -> Solve:
-    def solve(targets: NDArray[np.float64], first_index: int) -> IkResult:
-        return robot.ik(
+    def solve(targets: NDArray[np.float64], first_index: int, ids: NDArray[Any]) -> ResultChunk:
+        result = robot.ik(
             targets,
             task=task,
             solver=request.solver,
@@ -202,8 +208,20 @@ def _solver(robot: Robot, task: JobTask, request: SolveRequest) -> Solve:
             clear=request.clear,
             prefer=request.prefer,
         )
+        return ResultChunk.of(result, ids)
 
-    return solve
+    def branches(targets: NDArray[np.float64], first_index: int, ids: NDArray[Any]) -> ResultChunk:
+        found = robot.ik_all(
+            targets,
+            request.q0,
+            task=task,
+            threads=request.threads,
+            position_tolerance=request.position_tolerance,
+            orientation_tolerance=request.orientation_tolerance,
+        )
+        return as_rows(robot, task, targets, found, ids)
+
+    return branches if request.all_branches else solve
 
 
 def _name_letters(robot: Robot, request: SolveRequest) -> int:
@@ -220,7 +238,7 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
         "robot": robot.name,
         "targets": request.targets.name,
         "task": task,
-        "solver": request.solver,
+        "solver": "all branches" if request.all_branches else request.solver,
         **task_words(request, task),
         **request.choice.words(),
     }

@@ -14,7 +14,7 @@ from ._path import Path
 
 if TYPE_CHECKING:
     from .._native import Chain, Collider, TargetSolver
-    from ..result import Branches, IkResult
+    from ..result import Branches, Family, IkResult
     from ..solvers import DifferentialEvolution, GeneticAlgorithm, Solver
     from ..tasks import Task
     from . import Robot
@@ -322,6 +322,13 @@ class InverseKinematics:
         """Family of the arm's closed form, "spherical wrist" or "S-R-S"; None without."""
         return self._chain.closed_form[0]
 
+    @property
+    def family(self) -> Family:
+        """What the arm was recognised as, why, and how `ik_all` finds its branches."""
+        from ..result import Family
+
+        return Family(*self._chain.family)
+
     def ik_all(
         self,
         targets: ArrayLike,
@@ -334,19 +341,24 @@ class InverseKinematics:
         orientation_tolerance: ArrayLike = 1e-6,
         tolerance_frame: Literal["base", "tool"] | None = None,
         locked: Mapping[str, ArrayLike] | None = None,
+        sweep: int | None = None,
+        wrap: bool = False,
+        task: Task | str | None = None,
     ) -> Branches:
-        """Every branch of the inverse kinematics of an arm with a closed form.
+        """Every branch of the inverse kinematics: all real solutions of each target.
 
-        Six revolute joints of which the last three axes meet have up to eight branches;
-        seven revolute joints of which also the first three meet (S-R-S) have up to eight
-        for each arm angle. Each branch is checked by forward kinematics. An arm with more
-        joints has the branches of what is left when some are locked, as one on a slide at
-        each place of it.
+        Arms of six joints that turn have up to 16 branches, up to eight where three axes
+        meet or are parallel; `family` says what was recognised. Seven joints have those
+        of the arm that is left when one is locked (S-R-S arms up to eight for each arm
+        angle), and an arm on a slide at each place of it. Five joints reach a point and a
+        direction of the tool axis (``task="axis"``), three a point. Each branch is checked
+        by forward kinematics.
 
         Parameters
         ----------
-        targets : array_like, shape (..., 4, 4)
-            Poses of the tool in the base frame; m.
+        targets : array_like, shape (..., 4, 4) or (..., 3)
+            Poses of the tool in the base frame, or positions of the tool point where the
+            task is one; m.
         q0 : array_like, shape broadcastable to (..., n), rad, optional
             Of the values a whole turn apart that a joint's limits allow, the one nearest to
             this is returned, and angles that a singularity leaves open are taken from it.
@@ -363,23 +375,40 @@ class InverseKinematics:
             smallest of three numbers, and a proof holds for the whole of them.
         locked : mapping of str to array_like, shape broadcastable to (...), optional
             Joints that are kept where they are, by name, and their values within the limits,
-            rad or m: one for all targets, or one a target. What is left must have a closed
-            form. A NaN makes its target ``BAD_INPUT``.
+            rad or m: one for all targets, or one a target. What is left must be an arm whose
+            branches are known. A NaN makes its target ``BAD_INPUT``. Default: of seven joints
+            that are no S-R-S arm the one of `family` stays where `q0`, or the middle of the
+            limits, has it.
+        sweep : int, optional
+            So many values of that joint over its limits (of the arm angle of an S-R-S arm, of
+            the slide of an arm on one), 1 to 100,000: the branches of all of them, value by
+            value, as ``Branches.value`` and ``Branches.branch`` say. That none of them is within
+            the limits is no proof: the status is ``NOT_FOUND`` then.
+        wrap : bool, default False
+            Also the values of valid branches that are whole turns away, as far as the limits
+            allow: each is a branch of its own, the nearest to `q0` first (at most 4,096). Joints
+            without limits keep the nearest value.
+        task : task or {"pose", "position", "axis"}, optional
+            What counts as reached, see `agrik_fast.tasks`: "axis" for arms of five joints,
+            "position" for arms of three. Default: by the shape of the targets, as for `ik`.
 
         Returns
         -------
         Branches
-            Joint values (..., 8, n), which of them are valid, and a status per target:
-            ``CONVERGED`` with at least one valid branch; ``OUT_OF_REACH`` if it is
-            proven that none exists within limits and tolerances; ``NOT_FOUND`` if there is
-            neither a branch nor a proof, or an S-R-S arm has a branch only at other arm
-            angles.
+            Joint values (..., branches, n), which of them are valid, and a status per target:
+            ``CONVERGED`` with at least one valid branch (``SINGULAR_FAMILY`` where a joint turns
+            freely in one); ``JOINT_LIMITS`` if there are branches, but none within the limits;
+            ``OUT_OF_REACH`` if it is proven that there is none; ``NOT_FOUND`` if there is
+            neither; ``OVERDETERMINED`` with the least angle left where a full pose is asked of
+            fewer joints; ``UNSUPPORTED`` for arms that nothing here solves, such as those with
+            slides between their joints. For spherical wrists and S-R-S arms ``OUT_OF_REACH``
+            takes the limits into account. Warnings stand beside the status.
 
         Raises
         ------
         ArgumentError
-            The arm has no closed form (the message says why), or an argument is wrong, as
-            a locked value outside the limits.
+            An argument is wrong, as a locked value outside the limits, a sweep of 0 values or
+            of an arm without a joint to spare, a target that is no rigid transform.
         UnknownNameError
             `locked` names a joint that the arm has not; the message names the nearest.
         KeyboardInterrupt
@@ -400,6 +429,17 @@ class InverseKinematics:
         >>> branches = arm.ik_all(pose, locked={"d1": 0.5})
         >>> branches.q.shape, int(branches.reached.sum())
         ((8, 7), 8)
+
+        An arm with an offset wrist, and one of seven joints at 64 values of the last:
+
+        >>> arm = ik.Robot.load("hydrolek")
+        >>> branches = arm.ik_all(arm.fk([0.4, 0.3, -0.5, 0.2, 0.6, -0.1]))
+        >>> branches.q.shape, int(branches.reached.sum())
+        ((16, 6), 8)
+        >>> arm = ik.Robot.load("panda")
+        >>> branches = arm.ik_all(arm.fk([0.1, 0.3, 0.2, -1.5, 0.1, 1.8, 0.5]), sweep=64)
+        >>> branches.q.shape
+        (512, 7)
         """
         return self._chain.ik_all(
             targets,
@@ -411,6 +451,9 @@ class InverseKinematics:
             orientation_tolerance,
             tolerance_frame,
             locked,
+            sweep,
+            wrap,
+            task,
         )
 
     def arm_angle(self, q: ArrayLike) -> FloatArray:

@@ -12,7 +12,7 @@
 use std::sync::OnceLock;
 
 use crate::call::{AnswersMut, Outcome, Request, Solve, Status};
-use crate::closed_form::{ArmAngle, Choice, ClosedForm, Lead, Query, Sweep};
+use crate::closed_form::{AnyArm, ArmAngle, Choice, ClosedForm, Every, Lead, Query, Sweep};
 use crate::error::Result;
 use crate::lanes::Level;
 use crate::solve::{Plan, Settings};
@@ -29,6 +29,9 @@ enum Form<'a> {
     Query(Query<'a>),
     /// The same of an arm on a slide.
     Sweep(Box<Sweep<'a>>),
+    /// An arm whose branches cost less than the step solver's answer: three parallel axes, or
+    /// first three that meet.
+    Six(&'a Every),
 }
 
 /// A request to the closed form with the default step solver behind it.
@@ -46,16 +49,22 @@ impl<'a> Auto<'a> {
     pub fn new(request: Request<'a>) -> Result<Self> {
         let form = match Sweep::new(request)? {
             Some(sweep) => Form::Sweep(Box::new(sweep)),
-            None => Form::Query(Query::new(request, ArmAngle::Free, Choice::default())?),
+            None => match six(&request) {
+                Some(every) => Form::Six(every),
+                None => Form::Query(Query::new(request, ArmAngle::Free, Choice::default())?),
+            },
         };
         Ok(Self { form, request, plan: OnceLock::new() })
     }
 
-    /// A request that [`Self::new`] takes. A sweep has no eye for what answers must not hit.
+    /// A request that [`Self::new`] takes.
     pub fn knows(request: &Request<'_>) -> bool {
         let chain = request.chain();
-        let slide = || request.guard().is_none() && Lead::slide(chain).is_some();
-        request.task().fixes_pose() && (ClosedForm::of(chain).is_ok() || slide())
+        // Neither a sweep nor the branches of other arms ask what answers must not hit.
+        let others = || {
+            request.guard().is_none() && (Lead::slide(chain).is_some() || six(request).is_some())
+        };
+        request.task().fixes_pose() && (ClosedForm::of(chain).is_ok() || others())
     }
 
     /// Puts the closed form's answers into rows; false where `keep_going` said no.
@@ -69,6 +78,13 @@ impl<'a> Auto<'a> {
             Form::Query(query) => {
                 let mut all = Some(rows.reborrow());
                 query.run(level, &mut || all.take(), keep_going)
+            }
+            Form::Six(every) => {
+                if let Some(arm) = every.closed() {
+                    let any = AnyArm { request: self.request, every, lock: None, added: None };
+                    any.answer(level, arm, rows);
+                }
+                keep_going()
             }
             Form::Sweep(sweep) => (0..rows.len()).all(|i| {
                 if !sweep.answer(rows, i) {
@@ -110,6 +126,16 @@ impl<'a> Auto<'a> {
     }
 }
 
+/// The arm of a request, where it has a closed form of six joints that is no older family's; not
+/// for calls with a guard, which the step solver knows how to ask.
+fn six<'a>(request: &Request<'a>) -> Option<&'a Every> {
+    if request.guard().is_some() || ClosedForm::of(request.chain()).is_ok() {
+        return None;
+    }
+    let every = Every::of(request.chain()).ok()?;
+    every.closed().is_some().then_some(every)
+}
+
 impl Solve for Auto<'_> {
     fn rows(&self) -> usize {
         self.request.len()
@@ -121,6 +147,7 @@ impl Solve for Auto<'_> {
         match &self.form {
             Form::Query(query) => query.run_length(),
             Form::Sweep(_) => SWEPT,
+            Form::Six(_) => TOGETHER,
         }
     }
     fn run<'b>(

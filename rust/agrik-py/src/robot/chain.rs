@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use agrik::chain;
-use agrik::closed_form::ClosedForm;
+use agrik::closed_form::{ClosedForm, Recognised};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat};
@@ -14,7 +14,7 @@ use crate::collision::guard;
 use crate::convert::{array, transform};
 use crate::errors;
 use crate::ik::arguments::{Arguments, Options};
-use crate::ik::batch;
+use crate::ik::batch::{self, Wishes};
 use crate::ik::branches::Branches;
 use crate::ik::control::TargetSolver;
 use crate::ik::follow::{self, Along, Followed};
@@ -366,7 +366,8 @@ impl Chain {
     /// All branches of a batch of poses; see `agrik_fast.Robot.ik_all`.
     #[pyo3(signature = (
         targets, q0=None, tool=None, threads=None, arm_angle=None, position_tolerance=None,
-        orientation_tolerance=None, tolerance_frame=None, locked=None
+        orientation_tolerance=None, tolerance_frame=None, locked=None, sweep=None, wrap=false,
+        task=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn ik_all(
@@ -381,10 +382,13 @@ impl Chain {
         orientation_tolerance: Option<&Bound<'_, PyAny>>,
         tolerance_frame: Option<&Bound<'_, PyAny>>,
         locked: Option<&Bound<'_, PyAny>>,
+        sweep: Option<&Bound<'_, PyAny>>,
+        wrap: bool,
+        task: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Branches> {
         let given = Arguments {
             targets,
-            task: None,
+            task,
             solver: None,
             q0,
             seed: None,
@@ -395,7 +399,7 @@ impl Chain {
             tolerance_frame,
             first_index: None,
         };
-        batch::solve_all(py, &self.0, &given, arm_angle, locked)
+        batch::solve_all(py, &self.0, &given, &Wishes { arm_angle, locked, sweep, wrap })
     }
 
     /// Arm angles, shape (...), rad, of joint values, shape (..., dof), of an S-R-S arm.
@@ -411,6 +415,14 @@ impl Chain {
         tool: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Vec<Vec<(f64, f64)>>> {
         kinematics::arm_angle_intervals(&self.0, target, tool)
+    }
+
+    /// What the arm was recognised as: name, method, reason, most branches, locked joint.
+    #[getter]
+    fn family(&self) -> (String, &'static str, String, usize, Option<String>) {
+        let family = Recognised::of(&self.0);
+        let locked = family.locked.map(|variable| self.0.variables()[variable].name.clone());
+        (family.name, family.method, family.reason, family.branches, locked)
     }
 
     /// Family of the chain's closed form, or why it has none: (name, reason).

@@ -17,12 +17,18 @@ mod geometry;
 
 pub use branch::choice::Choice;
 pub use calls::all_branches::{all, all_into};
+pub use calls::any_arm::AnyArm;
 pub use calls::arm_angle::ArmAngle;
 pub use calls::branches::{Branches, BranchesMut};
+pub use calls::every_branch::{Ask, every, reason};
+pub use calls::family::Family as Recognised;
 pub use calls::locked::{Lock, Values, all_locked};
 pub use calls::one_pose::{Alone, alone};
 pub use calls::query::Query;
 pub use calls::slide::Sweep;
+pub use calls::warning;
+pub use families::every::Every;
+pub use families::six::{Six, Way};
 pub use families::{ClosedForm, Family, Kind, Lead, SphericalWrist, Srs};
 pub use geometry::axes::{Geometry, TOLERANCE};
 pub use geometry::candidate::{Candidate, ELBOW, JOINTS, SHOULDER, WRIST};

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Vector3};
 
 use super::all_branches::all;
+use super::any_arm::{Added, AnyArm};
 use super::arm_angle::{ArmAngle, form_of};
 use super::branches::Branches;
 use super::query::Query;
@@ -14,6 +15,7 @@ use crate::call::{Aim, Goals, Request, Starts};
 use crate::chain::{Chain, Tail};
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::families::Lead;
+use crate::closed_form::families::every::Every;
 use crate::error::{Error, Result};
 
 /// Values of a locked joint, rad or m.
@@ -26,7 +28,7 @@ pub enum Values<'a> {
 }
 
 impl Values<'_> {
-    fn row(&self, row: usize) -> f64 {
+    pub(super) fn row(&self, row: usize) -> f64 {
         match self {
             Self::One(value) => *value,
             Self::Each(all) => all[row],
@@ -95,7 +97,7 @@ fn known_or_near_zero(chain: &Chain, variable: usize, value: f64) -> f64 {
 }
 
 /// The poses of a request whose locks make sense.
-fn checked<'a>(request: &Request<'a>, locks: &[Lock<'_>]) -> Result<&'a [[f64; 16]]> {
+pub(super) fn checked<'a>(request: &Request<'a>, locks: &[Lock<'_>]) -> Result<&'a [[f64; 16]]> {
     let (chain, rows) = (request.chain(), request.len());
     let Goals::Poses(poses) = request.goals() else {
         return Err(Error::argument("targets", "poses (4x4 matrices)", "points"));
@@ -136,6 +138,13 @@ impl Part<'_, '_> {
         self.locks.iter().any(|lock| lock.variable == variable)
     }
 
+    /// The entry of `q` that one of the chain without the locked joints is.
+    fn entry(&self, rest: usize) -> usize {
+        let free = (0..self.request.chain().dof()).filter(|variable| !self.is_locked(*variable));
+        let mut free = free;
+        free.nth(rest).unwrap_or_default()
+    }
+
     /// All branches of the chain without the locked joints.
     fn solve(
         &self,
@@ -144,12 +153,14 @@ impl Part<'_, '_> {
         threads: usize,
         poll: &mut dyn FnMut() -> bool,
     ) -> Result<Branches> {
-        form_of(chain).map_err(|error| match error {
-            Error::Argument { received, .. } => {
-                Error::argument("locked", "joints that leave an arm with a closed form", received)
-            }
+        let form = form_of(chain).map_err(|error| match error {
+            Error::Argument { received, .. } => Error::argument(
+                "locked",
+                "joints that leave an arm whose branches are known",
+                received,
+            ),
             other => other,
-        })?;
+        });
         let aim = self.request.aim();
         let tail = moved_tail(self.request.chain(), chain, aim.tail());
         let aim = Aim::new(chain, aim.task(), aim.tolerance(), tail)?;
@@ -184,6 +195,19 @@ impl Part<'_, '_> {
             other => other,
         };
         let request = Request::new(chain, aim, Goals::Poses(goals), starts)?;
+        if let Err(error) = form {
+            return match Every::of(chain) {
+                Ok(every) if every.joints() == 6 => {
+                    AnyArm { request, every, lock: None, added: None }.solve(threads, poll)
+                }
+                Ok(every) if every.joints() < 6 => match Added::new(&request, every) {
+                    Ok(added) => AnyArm { request, every, lock: None, added: Some(added) }
+                        .solve(threads, poll),
+                    Err(_) => Err(error),
+                },
+                _ => Err(error),
+            };
+        }
         all(&Query::new(request, angle, Choice::default())?, threads, poll)
     }
 
@@ -210,6 +234,18 @@ impl Part<'_, '_> {
             whole.reached[to.clone()].copy_from_slice(&part.reached[here.clone()]);
             whole.singular[to].copy_from_slice(&part.singular[here]);
             whole.status[*row] = part.status[i];
+            if let Some(bits) = part.warnings.get(i) {
+                whole.warnings.resize(rows, 0);
+                whole.warnings[*row] = *bits;
+            }
+            if let Some(free) = part.free.get(i) {
+                whole.free.resize(rows, -1);
+                whole.free[*row] = usize::try_from(*free).map_or(-1, |k| self.entry(k) as i8);
+            }
+            if let Some(left) = part.left.get(i) {
+                whole.left.resize(rows, f64::INFINITY);
+                whole.left[*row] = *left;
+            }
         }
         whole
     }

@@ -1,5 +1,6 @@
 //! Which arms have a closed form: one file a family, and the choice between them.
 
+pub mod every;
 mod lead;
 mod meeting;
 pub mod postures;

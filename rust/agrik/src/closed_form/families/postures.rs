@@ -39,6 +39,12 @@ pub struct Set {
     pub places: usize,
     /// The other cut was asked as well.
     pub second: bool,
+    /// Squared, what the nearest candidate of a closed form missed by.
+    pub closest: f64,
+    /// There is no posture, for sure.
+    pub none: bool,
+    /// There are more.
+    pub more: bool,
 }
 
 impl Set {
@@ -53,6 +59,9 @@ impl Set {
             roots: 0,
             places: 0,
             second: false,
+            closest: f64::INFINITY,
+            none: false,
+            more: false,
         }
     }
 
@@ -87,13 +96,44 @@ impl Set {
         true
     }
 
+    /// Leaves the `most` postures that are nearest to given ones.
+    pub fn keep_nearest(&mut self, most: usize, near: &[f64; 6]) {
+        while self.count > most {
+            let far = |q: &[f64; 6]| -> f64 {
+                q.iter().zip(near).map(|(a, b)| turned(a - b).powi(2)).sum()
+            };
+            let all = self.postures().iter().map(far);
+            let worst = all.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i);
+            self.count -= 1;
+            self.q.swap(worst, self.count);
+            self.singular.swap(worst, self.count);
+            self.more = true;
+        }
+    }
+
     /// In an order that does not depend on the way they were found.
     pub fn sort(&mut self) {
-        self.q[..self.count].sort_by(|a, b| {
-            let order = a.iter().zip(b).map(|(x, y)| x.total_cmp(y));
-            order.into_iter().find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
-        });
+        let all = &mut self.q[..self.count];
+        // Few, and mostly in order: insertion.
+        for i in 1..all.len() {
+            let mut k = i;
+            while k > 0 && before(&all[k], &all[k - 1]) {
+                all.swap(k, k - 1);
+                self.singular.swap(k, k - 1);
+                k -= 1;
+            }
+        }
     }
+}
+
+fn before(a: &[f64; 6], b: &[f64; 6]) -> bool {
+    for (x, y) in a.iter().zip(b) {
+        // Rounding does not decide.
+        if (x - y).abs() > 1e-9 {
+            return x < y;
+        }
+    }
+    false
 }
 
 /// An angle less whole turns, in (-pi, pi].
@@ -121,6 +161,7 @@ impl<R: Real> Candidates<R> {
         let (_, mut left, _) = serial.errors(&self.q, goal);
         let used = u32::MAX >> (32 - lanes as u32);
         let near = R::bits(left.lt(R::splat(FAR))) & !self.merged & used;
+        let missed = left;
         let rough = near & !R::bits(left.le(R::splat(FINE * FINE)));
         let mut q = self.q;
         if rough != 0 {
@@ -130,6 +171,8 @@ impl<R: Real> Candidates<R> {
         let near = near & R::bits(left.le(R::splat(NEAR * NEAR)));
         let one = sets.len() == 1;
         for lane in 0..lanes {
+            let set = &mut sets[if one { 0 } else { lane }];
+            set.closest = set.closest.min(missed.lane(lane));
             if near >> lane & 1 == 0 {
                 continue;
             }
@@ -145,7 +188,6 @@ impl<R: Real> Candidates<R> {
             for (x, from) in posture.iter_mut().zip(&q) {
                 *x = from.lane(lane);
             }
-            let set = &mut sets[if one { 0 } else { lane }];
             if rough != 0 {
                 set.add_with(&posture, flags, open);
             } else {

@@ -36,6 +36,10 @@ pub struct ThreeParallel {
     length: f64,
 }
 
+/// Sine of the angle between axis 6 and the parallel ones below which nothing decides joint 6: an
+/// angle of 0 comes out of its cosine to half the digits.
+const IN_LINE: f64 = 1e-7;
+
 impl ThreeParallel {
     /// The arm, or why it is none.
     pub fn new(screws: &Screws) -> Result<Self, String> {
@@ -135,8 +139,8 @@ impl ThreeParallel {
         let (from, to) = (rest.turn_back(n), turned_about(axis[4], back5, n));
         let y = dot(axis[5], cross(from, to));
         let x = dot(from, to) - dot(axis[5], from) * dot(axis[5], to);
-        let open = R::bits((y * y + x * x).lt(R::splat(OPEN * OPEN)));
-        let six = unit_turn(y, x, OPEN, near[5].sin_cos());
+        let open = R::bits((y * y + x * x).lt(R::splat(IN_LINE * IN_LINE)));
+        let six = unit_turn(y, x, IN_LINE, near[5].sin_cos());
         let back6 = (-six.0, six.1);
         // All three parallel joints together, and where they have to put axis 4.
         let across = splat3::<R>(self.across);

@@ -31,6 +31,8 @@ pub struct Posture<R, const N: usize> {
     pub left: R,
 }
 
+/// Arm lengths and rad that a joint alone moves the tool below which it moves nothing.
+const FLAT: f64 = 1e-8;
 /// No step turns a joint by more, rad.
 const LONGEST: f64 = 0.5;
 
@@ -212,12 +214,11 @@ fn solve<R: Real>(mut columns: [[R; 6]; 6], mut right: [R; 6]) -> [R; 6] {
         }
         columns[k][k] = end;
     }
-    // A joint that moves nothing of its own gets no infinite step.
+    // A joint that moves nothing of its own stays where it is.
     for k in (0..6).rev() {
         let end = columns[k][k];
-        let least = R::splat(1e-14);
-        let end = R::select(end.abs().lt(least), R::select(end.lt(R::zero()), -least, least), end);
-        right[k] = right[k] / end;
+        let flat = end.abs().lt(R::splat(FLAT));
+        right[k] = R::select(flat, R::zero(), right[k] / R::select(flat, R::splat(1.0), end));
         for i in 0..k {
             right[i] = columns[k][i].neg_mul_add(right[k], right[i]);
         }

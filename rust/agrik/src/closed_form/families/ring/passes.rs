@@ -2,10 +2,11 @@
 //! roots, then postures, so that a batch keeps them full; of a single goal they hold the samples
 //! first. What a lane computes does not depend on the others.
 
-use super::cut::{Cut, ROWS};
+use super::cut::Cut;
 use super::isolate::{Arcs, Place, arcs, places};
-use super::null::{Factors, Products, angles, distance, two_products};
+use super::null::{Factors, angles, distance, two_products};
 use super::resultant::{ANGLES, HARMONICS, Harmonics, SAMPLES, harmonics, sample, value};
+use super::rows::{MOTION, NUMBERS, flat, from_row, gather, in_row, lane_of, motion, used};
 use crate::closed_form::families::postures::{FINE, NEAR, Set};
 use crate::closed_form::geometry::rigid::Rigid;
 use crate::closed_form::geometry::serial::Serial;
@@ -30,10 +31,11 @@ const REFINED: f64 = 1e-9;
 /// Rounds of inverse iteration.
 const ROUNDS: usize = 2;
 
-/// Numbers of the equations of a goal.
-const NUMBERS: usize = 27 * ROWS;
-/// Numbers of a goal.
-const MOTION: usize = 12;
+/// A start that misses by more is none, arm lengths and rad.
+const HOPELESS: f64 = 0.5;
+/// Starts of a goal nearer to one another lead to the same posture, rad; so many are looked at.
+const SAME_START: f64 = 1e-6;
+const VARIANTS: usize = 4;
 
 /// The three angles that a null vector gives, as sine and cosine, before the rest is known.
 #[derive(Clone, Copy)]
@@ -66,6 +68,8 @@ pub struct OneCut<'a> {
     pub cut: &'a Cut,
     pub serial: &'a Serial<6>,
     pub goals: &'a [Rigid<f64>],
+    /// Start values of the goals, if there are any: what the roots may lead past.
+    pub near: &'a [[f64; 6]],
     pub sets: &'a mut [Set],
     pub work: &'a mut Work,
 }
@@ -88,80 +92,12 @@ impl Kernel for OneCut<'_> {
         self.polynomials::<R>();
         self.refine::<R>();
         self.null_vectors::<R>();
+        for (goal, q) in self.near.iter().enumerate() {
+            self.work.starts.push(Start { goal: goal as u32, q: *q });
+        }
         self.complete::<R>();
         self.polish::<R>();
     }
-}
-
-/// A goal as numbers in a row.
-fn flat(goal: &Rigid<f64>) -> [f64; MOTION] {
-    let [x, y, z] = goal.axes;
-    let t = goal.shift;
-    [x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2], t[0], t[1], t[2]]
-}
-
-/// Rows of numbers, one a lane (the last over again where there are fewer), as lanes.
-#[inline(always)]
-fn gather<R: Real, const N: usize>(rows: &[&[f64; N]; WIDEST]) -> [R; N] {
-    let mut out = [R::zero(); N];
-    for (k, x) in out.iter_mut().enumerate() {
-        let mut one = [0.0; WIDEST];
-        for lane in 0..R::WIDTH {
-            one[lane] = rows[lane][k];
-        }
-        *x = R::load(&one);
-    }
-    out
-}
-
-/// One lane of numbers.
-#[inline(always)]
-fn lane_of<R: Real, const N: usize>(numbers: &[R; N], lane: usize) -> [f64; N] {
-    let mut out = [0.0; N];
-    for (x, from) in out.iter_mut().zip(numbers) {
-        *x = from.lane(lane);
-    }
-    out
-}
-
-/// The motion of twelve numbers.
-#[inline(always)]
-fn motion<R: Real>(x: &[R; MOTION]) -> Rigid<R> {
-    let axes = [[x[0], x[1], x[2]], [x[3], x[4], x[5]], [x[6], x[7], x[8]]];
-    Rigid { axes, shift: [x[9], x[10], x[11]] }
-}
-
-/// Equations in a row of numbers, and back.
-#[inline(always)]
-fn in_row<R: Real>(k: &[[[R; ROWS]; 9]; 3]) -> [R; NUMBERS] {
-    let mut out = [R::zero(); NUMBERS];
-    for a in 0..3 {
-        for j in 0..9 {
-            for i in 0..ROWS {
-                out[(9 * a + j) * ROWS + i] = k[a][j][i];
-            }
-        }
-    }
-    out
-}
-
-#[inline(always)]
-fn from_row<R: Real>(row: &[R; NUMBERS]) -> [[[R; ROWS]; 9]; 3] {
-    let mut out = [[[R::zero(); ROWS]; 9]; 3];
-    for a in 0..3 {
-        for j in 0..9 {
-            for i in 0..ROWS {
-                out[a][j][i] = row[(9 * a + j) * ROWS + i];
-            }
-        }
-    }
-    out
-}
-
-/// Lanes that hold something of a group, a bit each.
-#[inline(always)]
-fn used(count: usize) -> u32 {
-    u32::MAX >> (32 - count as u32)
 }
 
 impl OneCut<'_> {
@@ -291,6 +227,7 @@ impl OneCut<'_> {
             // What is taken: turn, null vector and the lanes that have them.
             let mut found = [((R::zero(), R::zero()), [R::zero(); 12], 0_u32); 4];
             let mut round = 0;
+            let mut before = R::splat(f64::INFINITY);
             loop {
                 turn = angle.sin_cos();
                 let factors = Factors::new(&k, turn);
@@ -300,7 +237,10 @@ impl OneCut<'_> {
                     found[0] = (turn, v, 0);
                 }
                 let off = distance(&factors, &k, turn, &v);
-                active &= R::bits(R::splat(SHARP).lt(off.abs()));
+                // At a double root without end, and no use.
+                let nearer = off.abs().lt(R::splat(0.3) * before);
+                active &= R::bits(R::and(R::splat(SHARP).lt(off.abs()), nearer));
+                before = off.abs();
                 if active != 0 && round < SHARPEN {
                     round += 1;
                     let off = off.max(R::splat(-LONGEST)).min(R::splat(LONGEST));
@@ -320,9 +260,19 @@ impl OneCut<'_> {
                 }
                 break;
             }
-            for (turn, v, lanes) in &found {
+            // Place by place, so that the order does not depend on what shares the lanes.
+            let mut all = [[R::zero(); 6]; 4];
+            for (to, (turn, v, lanes)) in all.iter_mut().zip(&found) {
                 if *lanes != 0 {
-                    take(group, *turn, v, *lanes, thirds);
+                    let [x, y] = angles(v);
+                    *to = [turn.0, turn.1, x.0, x.1, y.0, y.1];
+                }
+            }
+            for (lane, place) in group.iter().enumerate() {
+                for (turns, (_, _, lanes)) in all.iter().zip(&found) {
+                    if lanes >> lane & 1 != 0 {
+                        thirds.push(Third { goal: place.goal, turns: lane_of(turns, lane) });
+                    }
                 }
             }
         }
@@ -350,8 +300,18 @@ impl OneCut<'_> {
                 (y[k], x[k]) = q[from];
             }
             let q = atan2_each(y, x);
+            let (_, left, _) = self.serial.errors(&q, &goal);
+            let near = R::bits(left.lt(R::splat(HOPELESS * HOPELESS)));
             for (lane, third) in group.iter().enumerate() {
-                starts.push(Start { goal: third.goal, q: lane_of(&q, lane) });
+                let start = Start { goal: third.goal, q: lane_of(&q, lane) };
+                // The variants of a place are often the same posture.
+                let known = starts.iter().rev().take(VARIANTS).any(|other| {
+                    other.goal == start.goal
+                        && other.q.iter().zip(&start.q).all(|(a, b)| (a - b).abs() < SAME_START)
+                });
+                if near >> lane & 1 != 0 && !known {
+                    starts.push(start);
+                }
             }
         }
     }
@@ -389,24 +349,6 @@ impl OneCut<'_> {
             } else {
                 *starts = list;
             }
-        }
-    }
-}
-
-/// Writes down the angles of null vectors, in some lanes.
-#[inline(always)]
-fn take<R: Real>(
-    group: &[Place],
-    turn: (R, R),
-    v: &Products<R>,
-    lanes: u32,
-    thirds: &mut Vec<Third>,
-) {
-    let [x, y] = angles(v);
-    let all = [turn.0, turn.1, x.0, x.1, y.0, y.1];
-    for (lane, place) in group.iter().enumerate() {
-        if lanes >> lane & 1 != 0 {
-            thirds.push(Third { goal: place.goal, turns: lane_of(&all, lane) });
         }
     }
 }

@@ -15,6 +15,10 @@ const BACK: usize = 25;
 const SHORT: f64 = 0.1;
 /// Share of the largest singular value below which a posture may have a twin near by.
 const FLAT: f64 = 0.03;
+/// The same below which a posture is one of a family.
+const FAMILY: f64 = 1e-9;
+/// Mark of a posture at which the Jacobian is singular.
+const GENERAL: u8 = 8;
 /// How far the twin is looked for, rad.
 const TWINS: [f64; 6] = [1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3];
 
@@ -27,6 +31,33 @@ impl Ring {
         if set.count % 2 != 0 {
             self.twins(goal, set);
         }
+        if !(set.noise <= NOISY) {
+            self.families(goal, set);
+        }
+    }
+
+    /// Whether postures of a goal without isolated ones belong to families: a joint turns freely
+    /// while the others follow.
+    fn families(&self, goal: &Rigid<f64>, set: &mut Set) {
+        for i in 0..set.count {
+            let Some((share, v)) = self.weakest(&set.q[i], goal) else { continue };
+            if share < FAMILY {
+                set.singular[i] = GENERAL;
+                let size = |k: usize| v[k].abs();
+                let free = (0..6).max_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap_or(0);
+                set.free |= 1 << free;
+            }
+        }
+    }
+
+    /// Smallest singular value of the Jacobian as a share of the largest, and its direction.
+    fn weakest(&self, q: &[f64; 6], goal: &Rigid<f64>) -> Option<(f64, [f64; 6])> {
+        let (_, _, columns) = self.serial.errors(q, goal);
+        let jacobian = nalgebra::Matrix6::from_fn(|row, column| columns[column][row]);
+        let svd = nalgebra::SVD::try_new(jacobian, false, true, 1e-14, 200)?;
+        let least = svd.singular_values.imin();
+        let share = svd.singular_values[least] / svd.singular_values.max();
+        svd.v_t.map(|v| (share, std::array::from_fn(|k| v[(least, k)])))
     }
 
     /// Round angles make both polynomials vanish: goals a little aside do not, and their
@@ -47,7 +78,7 @@ impl Ring {
             }
             for cut in 0..2 {
                 let mut near = [Set::new()];
-                self.run_cut(level, cut, &[aside], &mut near, work);
+                self.run_cut(level, cut, (&[aside], &[]), &mut near, work);
                 for q in near[0].postures() {
                     if let Some(q) = self.walked(q, goal) {
                         set.add(&q);
@@ -80,20 +111,12 @@ impl Ring {
     fn twins(&self, goal: &Rigid<f64>, set: &mut Set) {
         for i in 0..set.count {
             let q = set.q[i];
-            let (_, _, columns) = self.serial.errors(&q, goal);
-            let jacobian = nalgebra::Matrix6::from_fn(|row, column| columns[column][row]);
-            let Some(svd) = nalgebra::SVD::try_new(jacobian, false, true, 1e-14, 200) else {
-                continue;
-            };
-            let least = svd.singular_values.imin();
-            let Some(v) =
-                svd.v_t.filter(|_| svd.singular_values[least] < FLAT * svd.singular_values.max())
-            else {
+            let Some((_, v)) = self.weakest(&q, goal).filter(|(share, _)| *share < FLAT) else {
                 continue;
             };
             for far in TWINS {
                 for side in [far, -far] {
-                    let start: [f64; 6] = std::array::from_fn(|k| q[k] + side * v[(least, k)]);
+                    let start: [f64; 6] = std::array::from_fn(|k| q[k] + side * v[k]);
                     let Posture { q, left } = self.serial.approach(start, goal, BACK, FINE);
                     if left <= NEAR * NEAR {
                         set.add(&q);
