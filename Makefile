@@ -20,6 +20,7 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run test lint format bench callgrind aarch64 sanitize miri wheel docs clean build oracle \
+	firmware rigs rigs-full \
 	damaged fuzz-arms fuzz-sample robustness rust-lint rust-test python-lint python-test
 
 help: ## say what every target does
@@ -28,6 +29,7 @@ help: ## say what every target does
 
 run: build ## solve the example targets of every robot, write and check the results
 	$(PY) examples/run_all.py
+	$(PY) examples/field_jobs.py
 
 test: rust-lint rust-test python-lint python-test ## every check but the oracle: linters, types, Rust and Python tests
 
@@ -59,13 +61,24 @@ miri: ## the lane types under Miri (needs a nightly toolchain with the component
 	.ci/miri
 	.ci/stamp write miri
 
+firmware: ## the boards' programs and the simulated rigs (sets itself up on Debian as root)
+	.ci/firmware
+	$(MAKE) -C firmware
+
+rigs: build $(VENV)/.dev ## the tests of firmware, plant and drivers alone
+	$(PY) -m pytest -m rigs
+
+rigs-full: build $(VENV)/.dev firmware ## an hour of simulated work and faults of each rig
+	PYTHONPATH=tests $(PY) tests/rigs_soak.py --minutes 60
+	$(PY) -m pytest tests/drivers/test_link.py --requests 5000
+
 damaged: build $(VENV)/.dev ## 2,000 damaged files: no traceback, < 500 MB, < 5 s each
 	$(PY) tests/io/damaged_files.py --files 2000
 
 fuzz-arms: build ## random arms, solvers and tasks against what is promised: 10^7 rows
 	$(PY) benches/fuzz_arms.py --rows 1e7
 
-fuzz-sample: build
+fuzz-sample: build ## two minutes of the same, as in the continuous integration
 	$(PY) benches/fuzz_arms.py --minutes 2
 
 robustness: build $(ROBOTS)/.done ## docs/robustness.md made anew, on arms that are downloaded
@@ -81,7 +94,7 @@ docs: build $(VENV)/.docs ## the documentation as HTML in docs/_build/html; a wa
 
 clean: ## remove what the other targets made, the environments included
 	cargo clean
-	rm -rf .venv .venv-* dist docs/_build docs/_generated examples/results benches/results
+	rm -rf firmware/build .venv .venv-* dist docs/_build docs/_generated examples/results benches/results
 	rm -rf .mypy_cache .pytest_cache .ruff_cache .hypothesis
 	rm -f python/agrik_fast/_native*.so
 	find python tests examples benches docs tools -name __pycache__ -prune -exec rm -rf {} +
@@ -89,7 +102,7 @@ clean: ## remove what the other targets made, the environments included
 build: $(NATIVE) ## the release extension, installed into .venv (quick when nothing changed)
 
 # The wheel holds what cargo compiled for `build`: making it takes seconds.
-oracle: build wheel $(ORACLE)/.done ## compare with Pinocchio (URDFs of real robots), EAIK (branches) and coal (distances); heavy downloads, own environment
+oracle: build wheel $(ORACLE)/.done ## compare with Pinocchio (URDFs of real robots), EAIK (branches), coal (distances); heavy downloads, own environment
 	$(ORACLE)/bin/python -m pip uninstall --quiet --yes agrik_fast
 	$(ORACLE)/bin/python -m pip install --quiet $(WHEELS)/*.whl
 	$(ORACLE)/bin/python -m pytest tests/oracle
@@ -114,8 +127,11 @@ python-lint: build $(VENV)/.dev
 	$(PY) -m mypy
 	$(PY) -m mypy.stubtest --concise agrik_fast._native
 
+# MARK='not rigs' leaves out what `make rigs` does.
 python-test: build $(VENV)/.dev
-	$(PY) -m pytest
+	$(PY) -m pytest $(if $(MARK),-m '$(MARK)')
+	@command -v avr-gcc >/dev/null || \
+		echo "NOT CHECKED: firmware and rigs, for want of an AVR compiler (see make firmware)"
 
 # ---- environments: a stamp file for each, so that a second call is quick ------------------------
 

@@ -5,8 +5,9 @@ and raises the classes of `agrik_fast.errors`. Tasks and solvers are read by the
 fields, so that it knows none of their classes.
 """
 
-from collections.abc import Sequence
-from typing import Any, TypedDict, final, type_check_only
+from collections.abc import Iterator, Mapping, Sequence
+from os import PathLike
+from typing import Any, NotRequired, TypedDict, final, type_check_only
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +17,10 @@ __all__ = [
     "Branches",
     "Chain",
     "Collider",
+    "CsvRows",
     "Distances",
+    "HarvestProgramme",
+    "HarvestStation",
     "IkResult",
     "Scene",
     "StrawberryArm",
@@ -25,11 +29,15 @@ __all__ = [
     "Tuner",
     "__version__",
     "_panic",
+    "branches",
     "check_solver",
+    "csv_lines",
     "default_settings",
     "get_num_threads",
+    "harvest_words",
     "ik_paced",
     "ik_record",
+    "ik_result",
     "set_num_threads",
     "simd_level",
     "solver_names",
@@ -49,6 +57,7 @@ class JointSpec(TypedDict):
     lower: float
     upper: float
     mimic: tuple[str, float, float] | None
+    link: NotRequired[str | None]
 
 @final
 class Chain:
@@ -136,7 +145,9 @@ class Chain:
         """
 
     @staticmethod
-    def from_urdf(text: str, base_link: str | None = None, tip_link: str | None = None) -> Chain:
+    def from_urdf(
+        text: str, base_link: str | None = None, tip_link: str | None = None
+    ) -> tuple[Chain, tuple[str, str, list[str], list[str]]]:
         """Build a chain from the text of a URDF.
 
         Parameters
@@ -144,17 +155,20 @@ class Chain:
         text : str
             XML text.
         base_link, tip_link : str, optional
-            First and last link; default: the only root and the only leaf.
+            First and last link; default: the only root and the end of the only arm.
 
         Returns
         -------
-        Chain
-            The chain from base to tip.
+        chain : Chain
+            The chain.
+        ends : (str, str, list of str, list of str)
+            Its first and last link, other links that the last could be, and the joints that
+            their limits, both 0, lock.
 
         Raises
         ------
         UrdfError
-            No URDF, no single serial chain, or an unknown link.
+            The text does not describe one serial chain.
         """
 
     @property
@@ -172,6 +186,20 @@ class Chain:
     @property
     def joint_types(self) -> list[str]:
         """Types of the joint variables, in the order of q."""
+
+    def joints(self) -> list[dict[str, Any]]:
+        """Return the joints, fixed ones and followers too, as `from_joints` takes them."""
+
+    @property
+    def base(self) -> NDArray[np.float64]:
+        """Base transform, shape (4, 4), m."""
+
+    @property
+    def tool(self) -> NDArray[np.float64]:
+        """Tool transform, shape (4, 4), m."""
+
+    def same(self, other: Chain) -> bool:
+        """Return True for a chain of the same name, joints, links, limits, base and tool."""
 
     @property
     def lower(self) -> NDArray[np.float64]:
@@ -212,11 +240,12 @@ class Chain:
     def jacobian(self, q: ArrayLike) -> NDArray[np.float64]:
         """Return geometric Jacobians, shape (..., 6, dof), linear rows first."""
 
-    def frozen_gain(self) -> NDArray[np.float64]:
+    def frozen_gain(self, per_radian: float | None = None) -> NDArray[np.float64]:
         """Return the gain that feedback solvers without matrices start from.
 
-        Half a pseudo-inverse for positions, in the middle of the limits or where the arm is
-        not singular; rad or m by m, along the axes of the first link, shape (dof, 3).
+        Half a pseudo-inverse, in the middle of the limits or where the arm is not singular;
+        rad or m by m, along the axes of the first link, shape (dof, 3) for positions. With
+        the length (m) that a radian counts as: shape (dof, 6), for poses.
         """
 
     def ik(
@@ -228,9 +257,10 @@ class Chain:
         seed: int | None = None,
         tool: ArrayLike | None = None,
         threads: int | None = None,
-        position_tolerance: float | None = None,
-        orientation_tolerance: float | None = None,
+        position_tolerance: ArrayLike | None = None,
+        orientation_tolerance: ArrayLike | None = None,
         first_index: int | None = None,
+        tolerance_frame: str | None = None,
         collider: Collider | None = None,
         clear: float | None = None,
         prefer: str | None = None,
@@ -247,8 +277,10 @@ class Chain:
         solver: object = None,
         seed: int | None = None,
         tool: ArrayLike | None = None,
-        position_tolerance: float | None = None,
-        orientation_tolerance: float | None = None,
+        position_tolerance: ArrayLike | None = None,
+        orientation_tolerance: ArrayLike | None = None,
+        tolerance_frame: str | None = None,
+        recipe: tuple[Any, ...] | None = None,
     ) -> TargetSolver:
         """Make a solver for one target at a time; see `agrik_fast.Robot.solver`."""
 
@@ -261,8 +293,9 @@ class Chain:
         task: object = None,
         seed: int | None = None,
         tool: ArrayLike | None = None,
-        position_tolerance: float | None = None,
-        orientation_tolerance: float | None = None,
+        position_tolerance: ArrayLike | None = None,
+        orientation_tolerance: ArrayLike | None = None,
+        tolerance_frame: str | None = None,
     ) -> tuple[IkResult, NDArray[np.bool_]]:
         """Follow a sequence of targets; see `agrik_fast.Robot.follow`."""
 
@@ -284,8 +317,13 @@ class Chain:
         tool: ArrayLike | None = None,
         threads: int | None = None,
         arm_angle: ArrayLike | None = None,
-        position_tolerance: float | None = None,
-        orientation_tolerance: float | None = None,
+        position_tolerance: ArrayLike | None = None,
+        orientation_tolerance: ArrayLike | None = None,
+        tolerance_frame: str | None = None,
+        locked: Mapping[str, ArrayLike] | None = None,
+        sweep: int | None = None,
+        wrap: bool = False,
+        task: object = None,
     ) -> Branches:
         """All branches of a batch of poses; see `agrik_fast.Robot.ik_all`."""
 
@@ -296,6 +334,10 @@ class Chain:
         self, target: ArrayLike, tool: ArrayLike | None = None
     ) -> list[list[tuple[float, float]]]:
         """Arm angles that the limits allow for one pose: for each branch (lower, upper), rad."""
+
+    @property
+    def family(self) -> tuple[str, str, str, int, str | None]:
+        """Name, method, reason, most branches and locked joint, see `agrik_fast.Robot.family`."""
 
     @property
     def closed_form(self) -> tuple[str | None, str | None]:
@@ -324,6 +366,55 @@ class Branches:
     @property
     def status(self) -> NDArray[np.uint8]:
         """Codes of `agrik_fast.Status`."""
+
+    @property
+    def warnings(self) -> NDArray[np.uint8]:
+        """Sums of codes of `agrik_fast.Warnings`, one a target."""
+
+    @property
+    def free_joint(self) -> NDArray[np.int8]:
+        """Entry of `q` that a singularity leaves free, -1 for none; one a target."""
+
+    @property
+    def value(self) -> NDArray[np.float64]:
+        """Value of the swept joint or arm angle of each branch, rad or m; NaN without a sweep."""
+
+    @property
+    def branch(self) -> NDArray[np.uint32]:
+        """Number of each branch among those of its value."""
+
+    @property
+    def orientation_error(self) -> NDArray[np.float64]:
+        """Least angle left, rad, of targets that ask for more than the arm has joints for."""
+    def __len__(self) -> int:
+        """Return the number of rows along the first dimension of the targets."""
+
+    def __getitem__(self, key: object) -> Branches:
+        """Return the record of some of the targets, chosen as in a NumPy array of them."""
+
+    def __iter__(self) -> Iterator[Branches]:
+        """Go through the rows along the first dimension of the targets."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the arrays by their names."""
+
+    def to_arrow(self) -> Any:
+        """Return a `pyarrow.Table`: one row a target (of branches: a branch).
+
+        Raises
+        ------
+        MissingExtraError
+            pyarrow is not installed.
+        """
+
+    def to_pandas(self) -> Any:
+        """Return a `pandas.DataFrame` of the same columns.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
 
 @final
 class TargetSolver:
@@ -358,7 +449,7 @@ class TargetSolver:
 
     @property
     def q(self) -> NDArray[np.float64]:
-        """Joint values, shape (n,), rad or m: one array, overwritten by each call."""
+        """Joint values of the last answer, shape (n,), rad or m; a copy."""
 
     @property
     def success(self) -> bool:
@@ -430,6 +521,76 @@ class IkResult:
         Empty names where there is nothing. Worked out when it is asked for; None without a
         scene.
         """
+
+    @property
+    def warnings(self) -> NDArray[np.uint8]:
+        """Codes of `agrik_fast.Warnings`, shape (...); 0 for none."""
+
+    def __len__(self) -> int:
+        """Return the number of rows along the first dimension of the targets."""
+
+    def __getitem__(self, key: object) -> IkResult:
+        """Return the record of some of the targets, chosen as in a NumPy array of them."""
+
+    def __iter__(self) -> Iterator[IkResult]:
+        """Go through the rows along the first dimension of the targets."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the arrays by their names."""
+
+    def to_arrow(self) -> Any:
+        """Return a `pyarrow.Table`: one row a target (of branches: a branch).
+
+        Raises
+        ------
+        MissingExtraError
+            pyarrow is not installed.
+        """
+
+    def to_pandas(self) -> Any:
+        """Return a `pandas.DataFrame` of the same columns.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+
+    def __bool__(self) -> bool:
+        """Return whether a single target was reached.
+
+        Raises
+        ------
+        ValueError
+            Of several targets, as for NumPy's arrays.
+        """
+
+def ik_result(
+    q: NDArray[np.float64],
+    status: NDArray[np.uint8],
+    position_error: NDArray[np.float64],
+    orientation_error: NDArray[np.float64],
+    iterations: NDArray[np.uint32],
+    restarts: NDArray[np.uint32],
+    warnings: NDArray[np.uint8],
+    clearance: NDArray[np.float64] | None = None,
+    nearest_pair: NDArray[np.object_] | None = None,
+) -> IkResult:
+    """Return the record of arrays that belong together, such as those of another record."""
+
+def branches(
+    q: NDArray[np.float64],
+    valid: NDArray[np.bool_],
+    reached: NDArray[np.bool_],
+    singular: NDArray[np.uint8],
+    status: NDArray[np.uint8],
+    warnings: NDArray[np.uint8],
+    free_joint: NDArray[np.int8],
+    value: NDArray[np.float64],
+    branch: NDArray[np.uint32],
+    orientation_error: NDArray[np.float64],
+) -> Branches:
+    """Return the record of arrays that belong together, such as those of another record."""
 
 @final
 class Scene:
@@ -779,6 +940,50 @@ class Distances:
         """Where they come nearest, shape (..., 2, 3), m; 0 for none."""
 
 @final
+class CsvRows:
+    """Rows of a CSV file that are neither blank nor comments."""
+
+    def __new__(cls, path: str | PathLike[str], limit: int) -> CsvRows:
+        """Open a file and read its header; rows of more than `limit` bytes are refused."""
+
+    @property
+    def header(self) -> list[str]:
+        """Names of the columns; none where the file holds no row."""
+
+    def block(
+        self, size: int, bytes: int, numeric: list[int], texts: list[int]
+    ) -> tuple[NDArray[np.float64], list[list[str]], list[int]]:
+        """Read up to `size` rows, fewer where they take more than `bytes` together.
+
+        Parameters
+        ----------
+        size, bytes : int
+            Rows and bytes at most.
+        numeric : list of int
+            Columns to be read as numbers.
+        texts : list of int
+            Columns to be read as texts.
+
+        Returns
+        -------
+        numbers : ndarray, shape (n, k)
+            The numbers.
+        texts : list of list of str
+            The texts, column by column.
+        lines : list of int
+            Line on which each row begins, from 1.
+
+        Raises
+        ------
+        ValueError
+            A field that is no number, a row of another length, bytes that are no text; names
+            row, line and column.
+        """
+
+def csv_lines(columns: list[object]) -> bytes:
+    """Return the lines of columns of one length: arrays of float64, int64, bool, or texts."""
+
+@final
 class StrawberryArm:
     """Closed forms of the strawberry arm; see `agrik_fast.arms.StrawberryArm`."""
 
@@ -842,8 +1047,13 @@ class StrawberryArm:
     def commands(self, q: ArrayLike, psi: float, h_extra: float) -> list[tuple[str, float]]:
         """Return the steps of remark 3 to a pose: (axis, target) pairs."""
 
-    def suggest_base_shift(self, targets: ArrayLike, may_move: list[bool]) -> NDArray[np.float64]:
-        """Return the smallest platform translations, shape (..., 3), m; NaN where none helps."""
+    def suggest_base_shift(
+        self, targets: ArrayLike, may_move: list[bool], within: float = 1e-8
+    ) -> NDArray[np.float64]:
+        """Return the smallest platform translations but for `within`, m; NaN where none helps.
+
+        Shape (..., 3).
+        """
 
 @final
 class TomatoArm:
@@ -911,7 +1121,12 @@ def ik_paced(
         The record.
     """
 
-def ik_record(q: ArrayLike, status: ArrayLike, position_error: ArrayLike) -> IkResult:
+def ik_record(
+    q: ArrayLike,
+    status: ArrayLike,
+    position_error: ArrayLike,
+    iterations: ArrayLike | None = None,
+) -> IkResult:
     """Return the common record of answers that were found outside the core.
 
     Parameters
@@ -922,6 +1137,8 @@ def ik_record(q: ArrayLike, status: ArrayLike, position_error: ArrayLike) -> IkR
         Codes of `agrik_fast.Status`.
     position_error : array_like, shape (...), m
         Distances.
+    iterations : array_like, shape (...), optional
+        Steps taken; none if not given.
 
     Returns
     -------
@@ -946,6 +1163,7 @@ class Tuner:
         start: str,
         max_iterations: int,
         tolerance: float,
+        orientation_tolerance: float = 1e-6,
         threads: int | None = None,
     ) -> Tuner:
         """Prepare a search.
@@ -956,8 +1174,8 @@ class Tuner:
             The arm.
         solver : StateSpace, StaticGain or IkPid
             Gains to start from.
-        goals : array_like, shape (n, 3), m
-            Training goals.
+        goals : array_like, shape (n, 3), m, or (n, 4, 4)
+            Training goals: tool points, or poses.
         shape : {"input", "diagonal", "full"}
             Free entries of a state space.
         method : {"pso", "cma"}
@@ -974,6 +1192,8 @@ class Tuner:
             Steps of an attempt.
         tolerance : float
             Distance that counts as reached, m.
+        orientation_tolerance : float
+            Angle that counts as reached, rad; for poses.
         threads : int, optional
             Number of threads.
 
@@ -1076,3 +1296,139 @@ def simd_level() -> str:
         that the environment variable ``AGRIK_SIMD`` names. A name that the machine does not
         have is a `RuntimeWarning` when the compiled module is first used.
     """
+
+@final
+class HarvestStation:
+    """An arm on a slide, with bodies, in a crop; see `agrik_fast.harvest.plan`."""
+
+    def __new__(
+        cls,
+        bodies: Bodies,
+        scene: Scene,
+        statics: Sequence[int],
+        static_skip: Sequence[tuple[int, int]],
+        touching: Sequence[int],
+        level: int | None = None,
+        split: str | None = None,
+        moved: ArrayLike | None = None,
+    ) -> HarvestStation:
+        """Put an arm with bodies into a crop.
+
+        Parameters
+        ----------
+        bodies : Bodies
+            The arm with its bodies.
+        scene : Scene
+            The crop.
+        statics : sequence of int
+            Objects that are never touched but may be near.
+        static_skip : sequence of (int, int)
+            Pairs of a body and one of them that do not mind each other.
+        touching : sequence of int
+            Bodies that may touch a target.
+        level : int, optional
+            Boxes count as 8^level spheres; without it as they are.
+        split : {"equal", "near-cubic"}, optional
+            How they are cut into cells.
+        moved : array_like, shape (3,), m, optional
+            How far `statics` are from where the scene has them: with the arm.
+
+        Raises
+        ------
+        ArgumentError
+            The arm is not six joints with a spherical wrist on a slide; an index out of range.
+        """
+
+    def plan(
+        self,
+        points: ArrayLike,
+        objects: Sequence[Sequence[int]],
+        names: Sequence[str],
+        settings: Mapping[str, Any] | None = None,
+        scan_all: bool = False,
+        threads: int | None = None,
+    ) -> dict[str, Any]:
+        """Decide for targets, shape (n, 3), m; with `scan_all` by a scan of everything."""
+
+    def blockers(
+        self,
+        points: ArrayLike,
+        objects: Sequence[Sequence[int]],
+        names: Sequence[str],
+        settings: Mapping[str, Any] | None = None,
+        threads: int | None = None,
+    ) -> list[tuple[list[int], bool, dict[str, Any]] | None]:
+        """Name the fewest removable objects in the way of each target."""
+
+    def inside(self, points: ArrayLike, objects: Sequence[Sequence[int]]) -> list[int]:
+        """Return the object in which each point lies, if none of its own; -1 for none."""
+
+    def table(
+        self,
+        point: ArrayLike,
+        objects: Sequence[int],
+        psi: float,
+        tilt: float = 0.0,
+        shift: float = 0.0,
+        settings: Mapping[str, Any] | None = None,
+    ) -> dict[str, Any]:
+        """All postures of one approach to a target, as rows of a table."""
+
+    def approaches(
+        self,
+        point: ArrayLike,
+        objects: Sequence[int],
+        settings: Mapping[str, Any] | None = None,
+    ) -> dict[str, Any]:
+        """Scan approach angles: psi, open, rank, and the distances hard and soft, m."""
+
+@final
+class HarvestProgramme:
+    """The non-linear programme of one target; see `agrik_fast.harvest.Programme`."""
+
+    def __new__(
+        cls,
+        bodies: Bodies,
+        scene: Scene,
+        statics: Sequence[int],
+        static_skip: Sequence[tuple[int, int]],
+        touching: Sequence[int],
+        point: ArrayLike,
+        objects: Sequence[int],
+        weights: ArrayLike,
+        level: int | None = None,
+        split: str | None = None,
+    ) -> HarvestProgramme:
+        """Put an arm with bodies into a crop, with a target.
+
+        Parameters
+        ----------
+        bodies, scene, statics, static_skip, touching, level, split
+            As for `HarvestStation`.
+        point : array_like, shape (3,), m
+            The grip point.
+        objects : sequence of int
+            Objects of the target.
+        weights : array_like, shape (4,)
+            Of position (1/m), orientation and nearness, and the distance that is enough, m.
+
+        Raises
+        ------
+        ArgumentError
+            A weight out of its range, or all of them zero; an index out of range.
+        """
+
+    def terms(self, q: ArrayLike) -> dict[str, Any]:
+        """Return the terms of the cost at joint values, shape (..., dof)."""
+
+    def search(
+        self,
+        algorithm: str,
+        seeds: Sequence[int],
+        options: Mapping[str, Any] | None = None,
+        threads: int | None = None,
+    ) -> dict[str, Any]:
+        """Search from seeds by "ga" or "de"."""
+
+def harvest_words() -> tuple[list[str], list[str]]:
+    """Return the names of the statuses and of the stages of a decision, at their codes."""

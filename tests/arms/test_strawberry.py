@@ -9,6 +9,7 @@ import pytest
 import agrik_fast as ik
 from agrik_fast import ArgumentError, Status, UnknownNameError
 from agrik_fast.arms import Place, StrawberryArm
+from agrik_fast.drivers import StrawberryRig
 from agrik_fast.papers import strawberry as paper
 
 REFERENCE = json.loads(
@@ -310,6 +311,140 @@ def test_commands_wait_above_the_plant() -> None:
         ARM.commands(q * 10)
 
 
+def test_commands_go_home_the_way_they_came() -> None:
+    """Step 7: lifted first, then back; checked like the way out."""
+    q = ARM.solve(TARGETS[0]).q
+    out = ARM.commands(q, psi=0.2, h_extra=0.04)
+    home = ARM.commands(q, psi=0.2, h_extra=0.04, reset=True)
+    assert [step.axis for step in home] == ["s32", "psi", "beta", "theta", "s21", "s10", "s32"]
+    assert home[0] == out[1]  # as high as on the way out
+    assert home.clearance == out.clearance == pytest.approx(0.04) and home.note == ""
+    at = dict(zip(("s10", "s21", "s32", "theta", "beta"), q.tolist(), strict=True)) | {"psi": 0.2}
+    for number, step in enumerate(home):
+        at[step.axis] = step.target
+        if 0 < number < 6:
+            assert at["s32"] == pytest.approx(float(q[2]) - 0.04)
+    names = ("s10", "s21", "s32", "theta", "beta")
+    assert [at[name] for name in names] == ARM.reset_pose.tolist() and at["psi"] == 0
+    for wrong in ({"h_extra": -0.01}, {"psi": 2.0}, {"reset": "yes"}):
+        with pytest.raises(ArgumentError):
+            ARM.commands(q, **{"reset": True, **wrong})
+    with pytest.raises(ArgumentError):
+        ARM.commands(q * 10, reset=True)
+
+
+def test_commands_say_what_clearance_they_keep() -> None:
+    low = ARM.lower[2]
+    q = [0.3, 0.4, low + 0.02, 0.1, 0.5]
+    for reset in (False, True):
+        steps = ARM.commands(q, h_extra=0.05, reset=reset)
+        assert steps.clearance == pytest.approx(0.02) and steps.wanted == 0.05
+        assert steps.note == (
+            "the clearance is 20.0 mm, not 50.0 mm: more would take slide s32 past its home"
+        )
+        assert min(step.target for step in steps if step.axis == "s32") == pytest.approx(low)
+    assert ARM.commands(q, h_extra=0.02).note == ""
+
+
+def test_the_sixth_joint_turns_the_gripper_and_nothing_else() -> None:
+    five, six = ik.Robot.load("strawberry"), ik.Robot.load("strawberry6")
+    q = six.random_q(300, seed=4)
+    pose = six.fk(q)
+    np.testing.assert_allclose(pose[:, :3, 3], five.fk(q[:, :5])[:, :3, 3], atol=1e-15)
+    assert six.joint_names == (*five.joint_names, "psi")
+    assert (six.lower[5], six.upper[5]) == pytest.approx((-np.pi / 2, np.pi / 2))
+    # The gripper's axis: from the roll axis to the tip.
+    roll = six.fk_links(q)[:, six.link_names.index("beta_link"), :3, 3]
+    axis = (pose[:, :3, 3] - roll) / 0.06
+    np.testing.assert_allclose(pose[:, :3, 2], axis, atol=1e-14)
+    turned = six.fk(np.concatenate([q[:, :5], q[:, 5:] + 0.3], axis=1))
+    np.testing.assert_allclose(turned[:, :3, 2], pose[:, :3, 2], atol=1e-15)
+    across = np.einsum("ki,ki->k", turned[:, :3, 0], pose[:, :3, 0])
+    np.testing.assert_allclose(across, np.cos(0.3), atol=1e-14)
+    # With the axis given, psi is free: five of six rows.
+    res = six.ik(pose, task=ik.tasks.Axis())
+    assert res.success.mean() > 0.95
+
+
+def test_one_servo_moves_fingers_and_cutter() -> None:
+    six = ik.Robot.load("strawberry6")
+    assert six.end_effector.moves == ("left_finger", "right_finger", "cutter")
+    q = ARM.solve(TARGETS[0]).q
+    for reset in (False, True):
+        axes = {step.axis for step in ARM.commands(q, reset=reset)}
+        assert axes <= {*six.joint_names, six.end_effector.servo}
+        assert ("gripper" in axes) == (not reset)
+    assert ik.Robot.load("strawberry").end_effector is None
+    assert six.with_tool(np.eye(4)).end_effector == six.end_effector
+
+
+def test_drivers_and_commands_have_the_same_axes() -> None:
+    six = ik.Robot.load("strawberry6")
+    assert StrawberryRig.joint_names == six.joint_names
+    q = ARM.solve(TARGETS[0]).q
+    axes = {step.axis for step in ARM.commands(q, psi=0.1)}
+    assert axes == {*StrawberryRig.joint_names, six.end_effector.servo}
+
+
+def test_base_moves_by_yaw_cost_least() -> None:
+    low, high = ARM.target_box
+    random = np.random.default_rng(5)
+    targets = low - 0.3 + random.random((4, 3)) * (high - low + 0.6)
+    shifts = ARM.suggest_base_shift(targets)
+    for weight in (0.05, 0.5, 50.0):
+        moves = ARM.suggest_base_shift(targets, yaw_weight=weight)
+        assert moves.shape == (4, 4)
+        for target, shift, move in zip(targets, shifts, moves, strict=True):
+            c, s = np.cos(move[3]), np.sin(move[3])
+            seen = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) @ target - move[:3]
+            assert ARM.solve(seen).success
+            cost = np.hypot(np.linalg.norm(move[:3]), weight * move[3])
+            assert cost <= np.linalg.norm(shift) + 1e-12
+            # Nor is anything on a grid of yaws cheaper.
+            yaws = np.linspace(-np.pi, np.pi, 61)
+            c, s = np.cos(yaws), np.sin(yaws)
+            x, y, z = target
+            seen = np.stack([c * x + s * y, c * y - s * x, np.full(61, z)], axis=1)
+            far = np.linalg.norm(ARM.suggest_base_shift(seen), axis=1)
+            assert np.hypot(far, weight * yaws).min() > cost - 1e-3
+            if weight == 50.0:
+                # Too dear to turn by more than a hair.
+                assert abs(move[3]) < 0.02
+    # A target behind the platform: turning is cheap, moving is not.
+    behind = np.array([-0.45, -0.25, -0.33])
+    move = ARM.suggest_base_shift(behind, yaw_weight=0.05)
+    assert abs(move[3]) > 1.0
+    assert np.linalg.norm(move[:3]) < 0.5 * np.linalg.norm(ARM.suggest_base_shift(behind))
+
+
+def test_base_moves_within_reach_and_beyond_help() -> None:
+    targets = np.array([TARGETS[0], [np.nan, 0, 0], [0.5, 0.3, -2.0]])
+    moves = ARM.suggest_base_shift(targets, "xy", yaw_weight=0.3)
+    assert not moves[0].any()
+    assert np.isnan(moves[1]).all()
+    assert np.isnan(moves[2]).all()  # too deep, however the platform turns
+    for wrong in ({"yaw_weight": 0.0}, {"yaw_weight": np.nan}, {"axes": "xz", "yaw_weight": 0.3}):
+        with pytest.raises(ArgumentError):
+            ARM.suggest_base_shift(targets, **wrong)
+
+
+def test_ncos_starts_where_it_is_told() -> None:
+    points = TARGETS[:4]
+    exact = ARM.solve(points)
+    for start in (ARM.reset_pose, ARM.solve(points, "as").q, exact.q):
+        res = ARM.solve(points, "ncos", q0=start)
+        assert res.success.all()
+        np.testing.assert_allclose(res.energy, exact.energy, atol=1e-9)
+    # From the answer it has little to do.
+    home = ARM.solve(points, "ncos").iterations
+    assert (ARM.solve(points, "ncos", q0=exact.q).iterations < home).all()
+    with pytest.raises(ArgumentError, match="q0"):
+        ARM.solve(points, "exact", q0=exact.q)
+    for wrong in (np.zeros(4), np.zeros((3, 5)), np.full(5, np.nan)):
+        with pytest.raises(ArgumentError, match="q0"):
+            ARM.solve(points, "ncos", q0=wrong)
+
+
 def test_table_3_matches_as_far_as_the_specification_says() -> None:
     cells = paper.table3()
     count = {c: sum(x.matches for x in cells if x.column == c) for c in ("ncos", "ssas", "as")}
@@ -410,7 +545,10 @@ def test_failed_rows_hold_the_reset_pose_and_how_far_it_is_off(method: str) -> N
     assert res.position_error[1] == res.orientation_error[1] == np.inf
     assert res.orientation_error[[0, 2]].tolist() == [0, 0]
     assert res.position_error[2] < 1e-8
-    assert res.iterations.tolist() == res.restarts.tolist() == [0, 0, 0]
+    assert res.restarts.tolist() == [0, 0, 0]
+    # The closed forms take no steps, SLSQP does; bad input is not tried.
+    assert res.iterations[1] == 0
+    assert (res.iterations[[0, 2]] > 0).all() == (method == "ncos")
 
 
 def test_theta_of_least_magnitude_is_that_of_the_sets() -> None:

@@ -96,12 +96,49 @@ def test_printed_formulas_miss() -> None:
     # (5), (6): X where the distance from the pan axis is meant.
     short, bent = angles(np.hypot(x, z))
     assert miss(np.arctan2(z, np.abs(x)) + short, bent - PI, pan) == pytest.approx(0.046, abs=2e-3)
-    # (6): an arc cosine has no sign.
+    # (5), the first of its arc cosines: it has no sign.
     lost = miss(np.arccos(rho / distance) + inner, theta - PI, pan, z < 0)
     assert lost == pytest.approx(0.227, abs=2e-3)
-    # (9): arctan(Y / X) points forward.
+    # (8): an arctan of a quotient points forward.
     lost = miss(elevation + inner, theta - PI, np.arctan(y / x), x < 0)
     assert lost == pytest.approx(0.388, abs=2e-3)
+    # (8) has C - y, (11) has y: the pan of one is the other's mirrored.
+    mirrored = miss(elevation + inner, theta - PI, np.arctan2(-y, x))
+    assert mirrored == pytest.approx(0.219, abs=2e-3)
+    # (16) with (17) is (14): J is square.
+    q = np.random.default_rng(5).uniform(0.3, 1.2, (50, 3)) * [1, -1, 1]
+    jacobian, step = FREE.jacobian(q), np.array([[1e-3], [-2e-3], [1e-3]])
+    square = np.swapaxes(jacobian, 1, 2) @ jacobian
+    by_17 = np.linalg.solve(square, np.swapaxes(jacobian, 1, 2) @ step)
+    np.testing.assert_allclose(by_17, np.linalg.solve(jacobian, step), rtol=1e-8)
+
+
+def test_centre_takes_the_images_axis() -> None:
+    """C - y of (8): y grows to the right, from a place that need not be the arm's middle."""
+    centre = 0.16
+    image = TomatoArm(lower=[-PI] * 3, upper=[PI] * 3, centre=centre)
+    targets = around(500, 3)
+    turned = targets * [1, -1, 1] + [0, centre, 0]
+    np.testing.assert_array_equal(image.solve(turned).outcome, FREE.solve(targets).outcome)
+    found = image.solve(turned)
+    np.testing.assert_allclose(image.fk(found.q), turned, atol=1e-14)
+    np.testing.assert_allclose(found.q, FREE.solve(targets).q, atol=1e-13)
+    # (8) as printed, where its arctan holds.
+    front = targets[:, 0] > 0.05
+    x, y, _ = turned[front].T
+    pan = image.branches(turned[front]).q[:, 0, 2]
+    np.testing.assert_allclose(pan, np.arctan((centre - y) / x), atol=1e-12)
+    step = 1e-6
+    for joint in range(3):
+        moved = found.q + step * np.eye(3)[joint]
+        slope = (image.fk(moved) - image.fk(found.q)) / step
+        np.testing.assert_allclose(image.jacobian(found.q)[..., joint], slope, atol=1e-6)
+    ended = image.iterate(turned[front][:20], "inverse", gain=0.1)
+    assert (ended.success == FREE.iterate(targets[front][:20], "inverse", gain=0.1).success).all()
+    assert np.abs(image.fk(ended.q) - turned[front][:20])[ended.success].max() < 5e-4
+    assert FREE.centre is None
+    # A point of the image's middle is straight ahead.
+    assert TomatoArm(centre=0.3).solve([0.2, 0.3, 0.1]).q[2] == 0.0
 
 
 def test_outcomes_and_statuses() -> None:
@@ -222,6 +259,16 @@ def test_torques() -> None:
     assert found.shoulder / off.shoulder == pytest.approx(1.032, abs=1e-3)
     upright = holding_torques(phi1=PI / 2, phi2=0.0)
     assert abs(upright.shoulder) < 1e-12
+    # a in metres, for the share of the length.
+    assert holding_torques(load=Load(a2=0.3 * l2)) == pytest.approx(off)
+    # (3) and (4) as printed: right for a1, not for a2.
+    for load in (Load(), Load(a1=0.05), Load(a1=-0.03), Load(balance1=0.2)):
+        held = holding_torques(load=load, gravity=9.80665)
+        assert paper.printed_torques(0.16, 0.16, load) == pytest.approx(held[:2], rel=1e-12)
+    both = Load(a1=0.05, a2=0.05)
+    off_middle, printed = holding_torques(load=both), paper.printed_torques(0.16, 0.16, both)
+    assert off_middle[:2] == pytest.approx((0.3060, 0.0941), abs=1e-4)
+    assert printed == pytest.approx((0.3154, 0.1036), abs=1e-4)
     with pytest.raises(ArgumentError):
         holding_torques(l1=-1.0)
     with pytest.raises(ArgumentError):
@@ -275,6 +322,8 @@ def test_bad_torques() -> None:
         lambda: Servo(**{**servo, "speed": np.nan}),
         lambda: Load(link2=-0.1),
         lambda: Load(balance1=np.nan),
+        lambda: Load(a1=np.inf),
+        lambda: TomatoArm(centre=np.nan),
         lambda: holding_torques(gravity=np.nan),
         lambda: holding_torques(gravity=-9.8),
         lambda: holding_torques(phi1="0"),

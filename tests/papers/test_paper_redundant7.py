@@ -88,15 +88,39 @@ def rows(file: Path) -> dict[str, list[str]]:
 def test_all_tables_and_figures(tmp_path: Path) -> None:
     said: list[str] = []
     files = redundant7.reproduce(tmp_path / "new", repeats=60, report=said.append)
-    assert len(said) == 5
+    assert len(said) == 7
     names = {file.name for file in files}
     tables = ("lengths", "single_point", "repeated", "ablation", "comparison")
     assert names >= {f"{name}{suffix}" for name in tables for suffix in (".csv", ".md")}
-    figures = ("figure3", "figure4", "histogram")
+    figures = ("figure3", "figure4", "histogram", "postures", "scalability", "jobs")
+    assert names >= {"scalability.csv", "spray.csv", "topping.csv"}
     assert names >= {f"{name}{suffix}" for name in figures for suffix in (".png", ".svg")}
     assert all(file.stat().st_size > 100 for file in files)
     lengths = rows(tmp_path / "new/lengths.csv")
     assert lengths["Table I"][0] == "312.158"
+    single = rows(tmp_path / "new/single_point.csv")
+    assert single["position by Table I [mm]"] == [
+        "312.1582, 385.3897, 426.9383",
+        "334.0000, 471.0000, 539.0000",
+    ]
+    assert single["ZYZ angles by Table I [rad]"][1] == "1.5708, 0.7854, 0.5236"
+    published, ours = map(float, single["fitness of these joint values"])
+    assert published > 100 and ours < 1e-5
+    ours_q = np.array([float(x) for x in single["joint values [rad]"][1].split(", ")])
+    off = redundant7.arm().fk(ours_q)[:3, 3] - redundant7.POSITION
+    assert np.abs(off).max() < 1e-4  # four places
+    with (tmp_path / "new/scalability.csv").open(encoding="utf-8") as lines:
+        scaled = {
+            (int(row["dof"]), row["generations"]): float(row["success_percent"])
+            for row in csv.DictReader(lines)
+        }
+    assert len(scaled) == 20
+    # 200 generations are enough for 7 joints and for none with 20; 1,600 for all.
+    early = [scaled[dof, "200"] for dof in (7, 10, 14, 20)]
+    assert early == sorted(early, reverse=True) and early[0] > 85 and early[-1] < 5
+    for dof in (7, 10, 14, 20):
+        assert scaled[dof, "1600"] > 85
+        assert scaled[dof, "step solver"] == 100
     ablation = rows(tmp_path / "new/ablation.csv")
     share = {name: float(row[1].split()[0]) for name, row in ablation.items() if "±" in row[1]}
     assert share["published: rate per gene, median"] > 80
@@ -121,3 +145,38 @@ def test_the_command_and_its_errors(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert result.exit_code == 0
     assert result.stdout.strip() == str(tmp_path / "x" / "table.csv")
     assert "redundant7: done" in result.stderr
+
+
+def test_arms_of_more_joints_are_built_as_table_1() -> None:
+    for dof in redundant7.DEGREES_OF_FREEDOM:
+        robot = redundant7.alternating_arm(dof)
+        assert robot.dof == dof and robot.dh is not None
+        assert sum(row.d for row in robot.dh) == pytest.approx(1.266)
+        twists = np.degrees([row.alpha for row in robot.dh])
+        assert twists[:-1].tolist() == [-90.0 if k % 2 == 0 else 90.0 for k in range(dof - 1)]
+        assert twists[-1] == 0
+    seven = np.degrees([row.alpha for row in redundant7.arm().dh or ()])
+    np.testing.assert_allclose(
+        seven, np.degrees([row.alpha for row in redundant7.alternating_arm(7).dh or ()])
+    )
+
+
+def test_the_spray_pass_keeps_the_nozzle_towards_the_canopy() -> None:
+    job = redundant7.spray_pass()
+    assert job.success.all() and len(job.points) == 107
+    poses = job.robot.with_tool(redundant7.NOZZLE).fk(job.q)
+    np.testing.assert_allclose(poses[:, :3, 3], job.points, atol=2e-6)
+    np.testing.assert_allclose(poses[:, :3, 2], np.tile([1.0, 0.0, 0.0], (107, 1)), atol=2e-6)
+    assert (job.q >= job.robot.lower).all() and (job.q <= job.robot.upper).all()
+    assert job.largest_step <= 0.1 + 1e-12
+    # The nozzle's point is 120 mm beyond the flange.
+    flange = job.robot.fk(job.q)[:, :3, 3]
+    np.testing.assert_allclose(job.points - flange, [[0.12, 0, 0]] * 107, atol=2e-6)
+
+
+def test_cotton_topping_reaches_every_plant() -> None:
+    job = redundant7.cotton_topping()
+    assert job.success.all() and len(job.points) == 24
+    tips = job.robot.with_tool(redundant7.CUTTER).fk(job.q)[:, :3, 3]
+    np.testing.assert_allclose(tips, redundant7.topping_points(), atol=2e-6)
+    assert job.largest_step < 1.5

@@ -180,3 +180,49 @@ def test_streams_are_those_of_the_specification():
     np.testing.assert_allclose(u[:3], wanted, rtol=0, atol=1e-16)
     points = goals.volume_uniform(ARM, 200, 2, draws=20_000)
     assert points.shape == (200, 3) and len(np.unique(points, axis=0)) == 200
+
+
+def test_gains_for_poses():
+    quick = dataclasses.replace(
+        QUICK, solver="static-gain", method="cma", task="pose", goals=100, evaluations=600
+    )
+    content = tune(ARM, quick)
+    assert content.training.origin == "cma, 36 parameters"
+    assert content.success is not None
+    assert content.success.tolerance_rad == quick.orientation_tolerance == 0.01
+    gains = content.make()
+    assert np.shape(gains.K) == (6, 6)
+    assert gains.rotation_length_m == pytest.approx(0.3 * ARM.reach_radius)
+    poses = goals.joint_uniform_poses(ARM, 1000, 1)
+    tolerances = {"position_tolerance": 1e-3, "orientation_tolerance": 0.01}
+    again = ARM.ik(poses, solver=gains, **tolerances)
+    assert int(again.success.sum()) == content.success.solved
+    start = ARM.ik(poses, solver=tuning_module.template(ARM, quick), **tolerances)
+    assert content.success.solved > start.success.sum() + 50
+    other = tuning_module.template(ARM, dataclasses.replace(quick, rotation_length=0.1))
+    assert other.rotation_length_m == 0.1
+    # Other runs' checkpoints are another task's.
+    assert quick.identity(ARM) != dataclasses.replace(quick, task="position").identity(ARM)
+
+
+def test_what_belongs_to_poses_is_refused_without_them():
+    with pytest.raises(ArgumentError, match="rotation_length"):
+        Tuning(rotation_length=0.1)
+    with pytest.raises(ArgumentError, match="rotation_length"):
+        Tuning(solver="ik-pid", task="pose", rotation_length=0.1)
+    with pytest.raises(UnknownNameError, match="unknown task"):
+        Tuning(task="poses")
+    for wrong in (0.0, 4.0, float("nan")):
+        with pytest.raises(ArgumentError, match="orientation_tolerance"):
+            Tuning(task="pose", orientation_tolerance=wrong)
+
+
+def test_the_command_tunes_for_poses(tmp_path):
+    output = tmp_path / "pose.toml"
+    arguments = ["tune", "hydrolek", "-o", str(output), "--task", "pose", "--solver"]
+    arguments += ["static-gain", "--goals", "50", "--evaluations", "40", "--runs", "1"]
+    arguments += ["--refinement", "0", "--tol-rad", "0.02", "--rotation-length", "0.2"]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0, result.output
+    content = gain_file.read(output)
+    assert content.success.tolerance_rad == 0.02 and content.units.rotation_length_m == 0.2

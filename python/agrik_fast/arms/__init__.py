@@ -2,10 +2,13 @@
 
 `StrawberryArm` chooses, by masses and friction, among the infinitely many postures of the
 strawberry handling arm that reach a target; `TomatoArm` lists the four of the tomato pointing
-arm within its servos' limits, and `holding_torques` says what its servos have to hold.
+arm within its servos' limits, and `holding_torques` says what its servos have to hold;
+`gravity_torques` says it of any chain.
 """
 
-from ._strawberry import Command, Place, StrawberryArm, StrawberryResult
+from ._commands import Command, Commands
+from ._gravity import PointMass, gravity_torques
+from ._strawberry import Place, StrawberryArm, StrawberryResult
 from ._tomato import (
     BRANCHES,
     HOME,
@@ -24,10 +27,12 @@ __all__ = [
     "HOME",
     "HS_311",
     "Command",
+    "Commands",
     "Load",
     "Outcome",
     "PacedResult",
     "Place",
+    "PointMass",
     "Servo",
     "StrawberryArm",
     "StrawberryResult",
@@ -36,5 +41,6 @@ __all__ = [
     "TomatoResult",
     "Torques",
     "TransposeStepWarning",
+    "gravity_torques",
     "holding_torques",
 ]

@@ -31,7 +31,7 @@ class Mechanism(Protocol):
 
     @property
     def reset_pose(self) -> FloatArray:
-        """Where the search starts, shape (5,), m and rad."""
+        """What rows that are not solved hold, shape (5,), m and rad."""
 
     def fk(self, q: ArrayLike) -> FloatArray:
         """Return tool points, shape (..., 3), m, of joint values, shape (..., 5)."""
@@ -40,8 +40,10 @@ class Mechanism(Protocol):
         """Return energy indices, shape (...), J, of joint values, shape (..., 5)."""
 
 
-def solve_one(arm: Mechanism, target: FloatArray) -> FloatArray | None:
-    """Return joint values, shape (5,), or None where SLSQP finds none."""
+def solve_one(
+    arm: Mechanism, target: FloatArray, start: FloatArray
+) -> tuple[FloatArray | None, int]:
+    """Return joint values, shape (5,), or None where SLSQP finds none; and its iterations."""
     try:
         from scipy.optimize import minimize
     except ImportError:
@@ -50,14 +52,15 @@ def solve_one(arm: Mechanism, target: FloatArray) -> FloatArray | None:
         ) from None
     found = minimize(
         lambda s: 1000 * float(arm.energy(s * SCALE)),
-        arm.reset_pose / SCALE,
+        start / SCALE,
         method="SLSQP",
         bounds=list(zip(arm.lower / SCALE, arm.upper / SCALE, strict=True)),
         constraints={"type": "eq", "fun": lambda s: 10 * (arm.fk(s * SCALE) - target)},
         options={"ftol": 1e-14, "maxiter": 500},
     )
     q = np.clip(found.x * SCALE, arm.lower, arm.upper)
-    return q if np.linalg.norm(arm.fk(q) - target) <= RESIDUAL_M else None
+    near = np.linalg.norm(arm.fk(q) - target) <= RESIDUAL_M
+    return (q if near else None), int(found.nit)
 
 
 class Answers(NamedTuple):
@@ -71,26 +74,36 @@ class Answers(NamedTuple):
         Codes of `agrik_fast.Status`.
     error : ndarray, shape (...), m
         Distance of the tool point from the target; infinite for bad input.
+    iterations : ndarray, shape (...)
+        Iterations of SLSQP.
     """
 
     q: FloatArray
     status: NDArray[np.uint8]
     error: FloatArray
+    iterations: NDArray[np.uint32]
 
 
-def solve_all(arm: Mechanism, points: FloatArray) -> Answers:
-    """Solve targets, shape (..., 3), m, one after the other."""
+def solve_all(arm: Mechanism, points: FloatArray, starts: FloatArray) -> Answers:
+    """Solve targets, shape (..., 3), m, from starts, shape (..., 5), one after the other."""
     leading = points.shape[:-1]
     flat = points.reshape(-1, 3)
     q = np.tile(arm.reset_pose, (len(flat), 1))
     status = np.full(len(flat), Status.NOT_FOUND, dtype=np.uint8)
     error = np.full(len(flat), np.inf)
+    iterations = np.zeros(len(flat), dtype=np.uint32)
+    begin = starts.reshape(-1, 5)
     for i, target in enumerate(flat):
         if not np.isfinite(target).all():
             status[i] = Status.BAD_INPUT
             continue
-        found = solve_one(arm, target)
+        found, iterations[i] = solve_one(arm, target, begin[i])
         if found is not None:
             q[i], status[i] = found, Status.CONVERGED
         error[i] = float(np.linalg.norm(arm.fk(q[i]) - target))
-    return Answers(q.reshape(*leading, 5), status.reshape(leading), error.reshape(leading))
+    return Answers(
+        q.reshape(*leading, 5),
+        status.reshape(leading),
+        error.reshape(leading),
+        iterations.reshape(leading),
+    )

@@ -12,18 +12,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _native
-from .._checks import FloatArray, finite_array, float_array, real_number, word
+from .._checks import FloatArray, finite_array, float_array, real_number, truth_value, word
 from ..errors import ArgumentError
+from ._base_move import least_moves
+from ._commands import Commands, back, there
 from ._ncos import solve_all
 from ._record import Record
 
-__all__ = ["Command", "Place", "StrawberryArm", "StrawberryResult"]
+__all__ = ["Place", "StrawberryArm", "StrawberryResult"]
 
 Method = Literal["exact", "as", "ssas", "ncos"]
 METHODS = ("exact", "as", "ssas", "ncos")
@@ -55,21 +57,6 @@ class Place(IntEnum):
 
     BAD_INPUT = 5
     """The target is not finite."""
-
-
-class Command(NamedTuple):
-    """One step of the command sequence (remark 3).
-
-    Attributes
-    ----------
-    axis : str
-        s10, s21, s32, theta, beta, psi or gripper.
-    target : float
-        Where to, m or rad; for the gripper 1 is open and 0 closed.
-    """
-
-    axis: str
-    target: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,6 +183,7 @@ class StrawberryArm:
         s10_share: float = 0.5,
         theta_rule: Literal["least_magnitude", "middle"] = "least_magnitude",
         theta_step: float = 0.01,
+        q0: ArrayLike | None = None,
     ) -> StrawberryResult:
         """Find joint values for a batch of targets.
 
@@ -215,6 +203,9 @@ class StrawberryArm:
         theta_step : float, default 0.01, rad
             AS and SSAS: theta where the set holds 0. Table 3 was computed with 0.01; 0
             is the remark's text.
+        q0 : array_like, shape broadcastable to (..., 5), m and rad, optional
+            NCOS: where its search starts, clamped into the limits; home without it. No
+            other method has a start.
 
         Returns
         -------
@@ -222,7 +213,8 @@ class StrawberryArm:
             The common record, energies, and what lies in the way of failed targets.
             "exact" proves that what it does not reach cannot be reached
             (``Status.OUT_OF_REACH``); "as" and "ssas" try few beta and may miss
-            (``Status.NOT_FOUND``). Failed rows hold the reset pose.
+            (``Status.NOT_FOUND``). Failed rows hold the reset pose. Iterations are
+            SLSQP's; the closed forms have none.
 
         Raises
         ------
@@ -235,18 +227,27 @@ class StrawberryArm:
         theta_step = real_number("theta_step", theta_step, unit="rad")
         word("theta rule", theta_rule, THETA_RULES)
         if method == "ncos":
-            return self._ncos(targets)
+            return self._ncos(targets, q0)
+        if q0 is not None:
+            raise ArgumentError("q0", f"a start for method {method!r}", 'None but for "ncos"')
         record, energy, place, gap = self._arm.solve(
             targets, method, s10_share, theta_rule, theta_step
         )
         return StrawberryResult(record, energy, place, gap)
 
-    def _ncos(self, targets: ArrayLike) -> StrawberryResult:
-        points = float_array("targets", targets)
-        if points.ndim == 0 or points.shape[-1] != 3:
-            raise ArgumentError("targets", f"shape {points.shape}", "shape (..., 3)")
-        found = solve_all(self, points)
-        record = _native.ik_record(found.q, found.status, found.error)
+    def _ncos(self, targets: ArrayLike, q0: ArrayLike | None) -> StrawberryResult:
+        points = _points(targets)
+        start = self.reset_pose if q0 is None else float_array("q0", q0)
+        if not np.isfinite(start).all():
+            raise ArgumentError("q0", str(start.tolist()), "finite numbers")
+        wanted = (*points.shape[:-1], 5)
+        try:
+            starts = np.broadcast_to(start, wanted)
+        except ValueError:
+            expected = f"shape (5,), or one that broadcasts to {wanted}"
+            raise ArgumentError("q0", f"shape {start.shape}", expected) from None
+        found = solve_all(self, points, np.clip(starts, self.lower, self.upper))
+        record = _native.ik_record(found.q, found.status, found.error, found.iterations)
         solved = record.success
         energy = np.where(solved, self.energy(found.q), np.nan)
         # Why SLSQP fails it does not say; the exact method does, or for constants for which
@@ -326,8 +327,10 @@ class StrawberryArm:
             raise ArgumentError("theta, beta", pose, "a pose that has derivatives along s10")
         return found
 
-    def commands(self, q: ArrayLike, *, psi: float = 0.0, h_extra: float = 0.05) -> list[Command]:
-        """Return the steps of remark 3 that drive the arm to a pose.
+    def commands(
+        self, q: ArrayLike, *, psi: float = 0.0, h_extra: float = 0.05, reset: bool = False
+    ) -> Commands:
+        """Return the steps of remark 3 that drive the arm to a pose, or of step 7 home again.
 
         Parameters
         ----------
@@ -338,21 +341,36 @@ class StrawberryArm:
         h_extra : float, default 0.05, m
             How far above its end the arm waits while the rest moves. The paper gives no
             value, and prints the wrong sign: s32 grows downward.
+        reset : bool, default False
+            The way home from the pose (algorithm 1, step 7): lifted first, then the other
+            axes in the reverse of their order, slide s32 last. The gripper stays closed.
 
         Returns
         -------
-        list of Command
-            Nine steps.
+        Commands
+            Nine steps, or seven home: a list of `Command` with the clearance that is really
+            kept. It is less than `h_extra` where that would take slide s32 past its home;
+            ``Commands.note`` says so.
+
+        Raises
+        ------
+        ArgumentError
+            A pose or psi outside the limits, or a negative `h_extra`; for both ways.
         """
         psi = real_number("psi", psi, unit="rad")
         h_extra = real_number("h_extra", h_extra, 0, unit="m")
-        return [Command(*step) for step in self._arm.commands(q, psi, h_extra)]
+        reset = truth_value("reset", reset)
+        out = there(self._arm.commands(q, psi, h_extra), h_extra)
+        return back(out, self.reset_pose.tolist()) if reset else out
 
-    def suggest_base_shift(self, targets: ArrayLike, axes: str = "xyz") -> FloatArray:
-        """Return the smallest translations of the platform that bring targets in reach.
+    def suggest_base_shift(
+        self, targets: ArrayLike, axes: str = "xyz", *, yaw_weight: float | None = None
+    ) -> FloatArray:
+        """Return the smallest moves of the platform that bring targets in reach.
 
-        Proven to be the smallest but for 1e-8 m: pitch in closed form, roll by pieces that
-        are halved until no piece's lower bound is shorter.
+        Translations are proven to be the smallest but for 1e-8 m: pitch in closed form, roll
+        by pieces that are halved until no piece's lower bound is shorter. With yaw the least
+        weighted move is proven but for 1e-3 m, by pieces of yaw in the same way.
 
         Parameters
         ----------
@@ -360,15 +378,41 @@ class StrawberryArm:
             Points in the base frame.
         axes : str, default "xyz"
             Axes along which the platform may move.
+        yaw_weight : float, optional, m
+            Lets the platform turn about the base frame's z axis too, before it moves along
+            its own axes; a radian costs as much as so many metres, and the root of the sum
+            of both squares is least. Needs x and y among `axes`.
 
         Returns
         -------
-        ndarray, shape (..., 3), m
-            Zero for targets in reach, NaN where no such translation helps (there is none for
-            a target that is not finite). After the platform has moved by ``shift`` the
-            target is at ``target - shift``.
+        ndarray, shape (..., 3), m, or (..., 4), m and rad
+            Zero for targets in reach, NaN where no such move helps (there is none for a
+            target that is not finite). After the platform has moved by ``shift`` the target
+            is at ``target - shift``; with yaw, the last column, at ``Rz(-yaw) target -
+            shift``.
+
+        Raises
+        ------
+        ArgumentError
+            Axes or a weight that are none, or a wrong shape.
         """
         given: object = axes
         if not isinstance(given, str) or not given or not set(given) <= set("xyz"):
             raise ArgumentError("axes", repr(axes), "one or more of the letters x, y, z")
-        return self._arm.suggest_base_shift(targets, [axis in axes for axis in "xyz"])
+        may_move = [axis in axes for axis in "xyz"]
+        if yaw_weight is None:
+            return self._arm.suggest_base_shift(targets, may_move)
+        weight = real_number("yaw_weight", yaw_weight, 0, open_low=True, unit="m")
+        if not {"x", "y"} <= set(axes):
+            raise ArgumentError("axes", repr(axes), "x and y among them, to go with yaw")
+        points = _points(targets)
+        return least_moves(
+            lambda p, within: self._arm.suggest_base_shift(p, may_move, within), points, weight
+        )
+
+
+def _points(targets: ArrayLike) -> FloatArray:
+    points = float_array("targets", targets)
+    if points.ndim == 0 or points.shape[-1] != 3:
+        raise ArgumentError("targets", f"shape {points.shape}", "shape (..., 3)")
+    return points

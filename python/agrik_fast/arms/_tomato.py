@@ -140,11 +140,15 @@ class TomatoArm:
         Link lengths. The paper prints none; these are what the servos' torque allows.
     lower, upper : array_like, shape (3,), rad, optional
         Servo limits; default those of ``Robot.load("tomato")``.
+    centre : float, optional, m
+        C of (8): where the arm's middle is on a y axis that grows to the right, as an
+        image's does. Points are then given and returned along that axis; without it y is
+        the base frame's, which grows to the left from the arm's middle.
 
     Raises
     ------
     ArgumentError
-        A length or a limit is out of its range.
+        A length, a limit or `centre` is out of its range.
 
     Examples
     --------
@@ -152,14 +156,18 @@ class TomatoArm:
     >>> res = TomatoArm().solve([0.2, 0.05, 0.1])
     >>> bool(res.success), int(res.branch)
     (True, 0)
+    >>> image = TomatoArm(centre=0.16).solve([0.2, 0.11, 0.1])  # C - y is 0.05 m
+    >>> bool((image.q == res.q).all())
+    True
     """
 
-    __slots__ = ("_arm", "_loop", "l1", "l2", "lower", "upper")
+    __slots__ = ("_arm", "_loop", "centre", "l1", "l2", "lower", "upper")
 
     l1: float
     l2: float
     lower: FloatArray
     upper: FloatArray
+    centre: float | None
 
     def __init__(
         self,
@@ -167,22 +175,37 @@ class TomatoArm:
         l2: float = 0.16,
         lower: ArrayLike | None = None,
         upper: ArrayLike | None = None,
+        *,
+        centre: float | None = None,
     ) -> None:
         servos = Robot.load("tomato")
         self.lower = float_array("lower", servos.lower if lower is None else lower)
         self.upper = float_array("upper", servos.upper if upper is None else upper)
         self.l1 = real_number("l1", l1, 0, open_low=True, unit="m")
         self.l2 = real_number("l2", l2, 0, open_low=True, unit="m")
+        self.centre = None if centre is None else real_number("centre", centre, unit="m")
         self._arm = _native.TomatoArm(self.l1, self.l2, self.lower, self.upper)
         self._loop = _free_chain(self.l1, self.l2)
 
     def fk(self, q: ArrayLike) -> FloatArray:
         """Return tool points, shape (..., 3), m, of joint values, shape (..., 3), (10)-(12)."""
-        return np.asarray(self._loop.fk(q)[..., :3, 3])
+        return self._turned_round(self._loop.fk(q)[..., :3, 3])
 
     def jacobian(self, q: ArrayLike) -> FloatArray:
         """Return Jacobians of the tool point, shape (..., 3, 3), m/rad."""
-        return np.asarray(self._loop.jacobian(q)[..., :3, :])
+        jacobian = np.asarray(self._loop.jacobian(q)[..., :3, :])
+        if self.centre is not None:
+            jacobian[..., 1, :] *= -1
+        return jacobian
+
+    def _turned_round(self, points: ArrayLike) -> FloatArray:
+        """Return points with y along the base frame's axis for the image's, or back again."""
+        found = float_array("targets", points)
+        if self.centre is None or found.ndim == 0 or found.shape[-1] != 3:
+            return found
+        found = found.copy()
+        found[..., 1] = self.centre - found[..., 1]
+        return found
 
     def solve(
         self,
@@ -197,7 +220,7 @@ class TomatoArm:
         Parameters
         ----------
         targets : array_like, shape (..., 3), m
-            Points in the base frame.
+            Points in the base frame, or along the image's y axis (`centre`).
         current : array_like, shape (3,), rad
             Present joint values: the pan on its axis, and what failed rows hold (nothing
             moves unless the target is reached).
@@ -221,7 +244,8 @@ class TomatoArm:
         """
         current = finite_array("current", current, (3,))
         follow = truth_value("follow", follow)
-        return TomatoResult(*self._arm.solve(targets, current, _branch_number(branch), follow))
+        points = self._turned_round(targets)
+        return TomatoResult(*self._arm.solve(points, current, _branch_number(branch), follow))
 
     def branches(self, targets: ArrayLike, *, pan: float = 0.0) -> TomatoBranches:
         """Return all four branches of targets, shape (..., 3), m.
@@ -244,7 +268,7 @@ class TomatoArm:
             A wrong shape, or a `pan` that is not finite.
         """
         pan = real_number("pan", pan, unit="rad")
-        return TomatoBranches(*self._arm.branches(targets, pan))
+        return TomatoBranches(*self._arm.branches(self._turned_round(targets), pan))
 
     def transpose_bound(self, q: ArrayLike) -> FloatArray:
         """Return the fixed transpose step, 1/m^2, above which the iteration diverges.
@@ -327,8 +351,9 @@ class TomatoArm:
         # What each method takes: an automatic step without alpha, a cutoff, a damping.
         parameter = {"transpose": alpha or 0.0, "dls": damping}.get(method, _CUTOFF)
         step = "pinv" if method == "inverse" else method
+        base = self._turned_round(points)
         record = _native.ik_paced(
-            self._loop, points, step, parameter, gain, step_length, start, tolerance, cap
+            self._loop, base, step, parameter, gain, step_length, start, tolerance, cap
         )
         if method == "transpose" and alpha is not None:
             self._warn_of_step(points, alpha)

@@ -84,6 +84,8 @@ class Load:
     balance1, balance2 : float, default 0.5
         Centre of mass of a link from its own joint, as a share of its length; negative
         with a counterweight.
+    a1, a2 : float, optional, m
+        The same as a distance, the a of (3), in place of the share.
 
     Raises
     ------
@@ -97,12 +99,23 @@ class Load:
     payload: float = 0.05
     balance1: float = 0.5
     balance2: float = 0.5
+    a1: float | None = None
+    a2: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("link1", "link2", "motor", "payload"):
             real_number(f"Load.{name}", getattr(self, name), 0, unit="kg")
         for name in ("balance1", "balance2"):
             real_number(f"Load.{name}", getattr(self, name))
+        for name in ("a1", "a2"):
+            if getattr(self, name) is not None:
+                real_number(f"Load.{name}", getattr(self, name), unit="m")
+
+    def centres(self, l1: float, l2: float) -> tuple[float, float]:
+        """Return how far the links' centres of mass are from their own joints, m."""
+        a1 = self.balance1 * l1 if self.a1 is None else self.a1
+        a2 = self.balance2 * l2 if self.a2 is None else self.a2
+        return a1, a2
 
 
 class Torques(NamedTuple):
@@ -180,8 +193,9 @@ def holding_torques(
     real_number("gravity", gravity, 0, unit="m/s^2")
     for name, value in (("phi1", phi1), ("phi2", phi2)):
         real_number(name, value, unit="rad")
-    outer = load.balance2 * l2 * load.link2 + l2 * load.payload
-    inner = load.balance1 * l1 * load.link1 + l1 * (load.motor + load.link2 + load.payload)
+    a1, a2 = load.centres(l1, l2)
+    outer = a2 * load.link2 + l2 * load.payload
+    inner = a1 * load.link1 + l1 * (load.motor + load.link2 + load.payload)
     elbow_torque = gravity * outer * math.cos(phi1 + phi2)
     shoulder_torque = gravity * inner * math.cos(phi1) + elbow_torque
     factors = [

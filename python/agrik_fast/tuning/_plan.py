@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from .._checks import matrix, whole_number, word
+from .._checks import FloatArray, matrix, real_number, whole_number, word
 from .._native import Tuner, __version__
+from ..errors import ArgumentError
 from ..robot import Robot
 from ..solvers import IkPid, StateSpace, StaticGain
-from .goals import joint_uniform, joint_uniform_q
+from .goals import joint_uniform, joint_uniform_poses, joint_uniform_q
 
 SOLVERS = ("state-space", "static-gain", "ik-pid")
+TASKS = ("position", "pose")
 SHAPES = ("input", "diagonal", "full")
 _POPULATION = {"pso": 40, "cma": 24}
 _SIGMA = {"pso": 0.3, "cma": 0.25}
@@ -25,6 +28,8 @@ _DEGREE = float(np.pi / 180)
 _CENTIMETRE = 0.01
 # Lengths that the published IK-PID gains belong to: the HydroLek's reach, m.
 _PID_REACH_M = 1.49
+# Length that a radian counts as where none is asked for, as a share of the reach.
+_ROTATION_SHARE = 0.3
 # The refinement: goals for one of a search, and the deviation it begins with.
 _MORE_GOALS = 4
 _REFINEMENT_SIGMA = 0.05
@@ -52,6 +57,8 @@ class Tuning:
         Particle swarm, or CMA-ES.
     start : {"zero", "middle"}
         Where every attempt starts.
+    task : {"position", "pose"}
+        What the gains are for: tool points, or whole poses.
     goals : int
         Training goals.
     evaluations : int
@@ -73,6 +80,12 @@ class Tuning:
         Steps of an attempt.
     tolerance : float
         Distance that counts as reached, m.
+    orientation_tolerance : float
+        Angle that counts as reached, rad; for poses.
+    rotation_length : float, optional
+        Poses: length that one radian of orientation error counts as, m; 0.3 times the
+        robot's reach if not given. Not for IK-PID, which counts as all solvers do by
+        default.
     threads : int, optional
         Number of threads.
     """
@@ -81,6 +94,7 @@ class Tuning:
     shape: str = "input"
     method: str = "pso"
     start: str = "zero"
+    task: str = "position"
     goals: int = 3000
     evaluations: int = 4840
     runs: int = 3
@@ -90,6 +104,8 @@ class Tuning:
     seed: int = 0
     max_iterations: int = 400
     tolerance: float = 1e-3
+    orientation_tolerance: float = 1e-2
+    rotation_length: float | None = None
     threads: int | None = None
 
     def __post_init__(self) -> None:
@@ -97,6 +113,14 @@ class Tuning:
         word("shape", self.shape, SHAPES)
         word("method", self.method, _POPULATION)
         word("start", self.start, ("zero", "middle"))
+        word("task", self.task, TASKS)
+        angle = self.orientation_tolerance
+        real_number("orientation_tolerance", angle, 0, math.pi, open_low=True, unit="rad")
+        if self.rotation_length is not None:
+            real_number("rotation_length", self.rotation_length, 0, open_low=True, unit="m")
+            if self.task != "pose" or self.solver == "ik-pid":
+                expected = 'None but for task "pose" with matrices of gains'
+                raise ArgumentError("rotation_length", repr(self.rotation_length), expected)
         whole_number("goals", self.goals, 1)
         whole_number("evaluations", self.evaluations, 1)
         whole_number("runs", self.runs, 1)
@@ -150,7 +174,7 @@ class Leg:
         return Tuner(
             robot._chain,
             start_from,
-            joint_uniform(robot, self.goals, self.goal_seed),
+            goals_of(robot, tuning, self.goals, self.goal_seed),
             self.shape,
             self.method,
             self.population(tuning),
@@ -159,8 +183,15 @@ class Leg:
             tuning.start,
             tuning.max_iterations,
             tuning.tolerance,
+            tuning.orientation_tolerance,
             tuning.threads,
         )
+
+
+def goals_of(robot: Robot, tuning: Tuning, count: int, seed: int) -> FloatArray:
+    """Return tool points, shape (count, 3), or poses, shape (count, 4, 4)."""
+    drawn = joint_uniform_poses if tuning.task == "pose" else joint_uniform
+    return drawn(robot, count, seed)
 
 
 def legs_of(tuning: Tuning) -> list[Leg]:
@@ -212,7 +243,11 @@ def template(robot: Robot, tuning: Tuning) -> Gains:
         share = _PID_REACH_M / robot.reach_radius
         return IkPid(kp=0.012 * share, ki=1.3e-8 * share, kd=0.08 * share, **common)
     units = np.where([kind == "prismatic" for kind in robot.joint_types], _CENTIMETRE, _DEGREE)
-    gain = robot._chain.frozen_gain() * _CENTIMETRE / units[:, None]
+    length = None
+    if tuning.task == "pose":
+        length = tuning.rotation_length or _ROTATION_SHARE * robot.reach_radius
+    common["rotation_length_m"] = length
+    gain = robot._chain.frozen_gain(length) * _CENTIMETRE / units[:, None]
     common |= {"length_unit_m": _CENTIMETRE, "angle_unit_rad": _DEGREE}
     if tuning.solver == "static-gain":
         return StaticGain(K=matrix("K", gain), **common)

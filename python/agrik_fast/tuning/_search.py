@@ -15,7 +15,7 @@ from .._checks import FloatArray, shown
 from .._native import Tuner
 from ..errors import ArgumentError, GainFileError
 from ..robot import Robot
-from ..solvers import IkPid
+from ..solvers import IkPid, gain_file
 from ..solvers.gain_file import GainFile, SuccessTable, TrainingTable
 from ._checkpoint import PERIOD_S, Bounds, Progress, prepare, restore, save
 from ._plan import (
@@ -24,10 +24,10 @@ from ._plan import (
     VALIDATION_SEED,
     Gains,
     Tuning,
+    goals_of,
     legs_of,
     template,
 )
-from .goals import joint_uniform
 
 TEST_SEED = 1
 """Seed of the goals kept apart from the training."""
@@ -218,23 +218,76 @@ def _content(gains: Gains, robot: Robot, tuning: Tuning, training: TrainingTable
         name: [list(row) for row in value] if isinstance(value, tuple) else value
         for name, value in numbers.items()
     }
+    units: dict[str, Any] = {"length": "mm" if gains.name == "ik-pid" else "cm", "angle": "deg"}
+    if not isinstance(gains, IkPid) and gains.rotation_length_m is not None:
+        units["rotation_length_m"] = gains.rotation_length_m
     return GainFile.model_validate(
         {
             "solver": gains.name,
             "robot": robot.name,
             "start": tuning.start,
-            "units": {"length": "mm" if gains.name == "ik-pid" else "cm", "angle": "deg"},
+            "units": units,
             "gains": rows,
             "training": training.model_dump(exclude_none=True),
-            "success": _success(gains, robot, tuning).model_dump(exclude_none=True),
+            "success": trial(gains, robot, tuning).model_dump(exclude_none=True),
         }
     )
 
 
-def _success(gains: Gains, robot: Robot, tuning: Tuning) -> SuccessTable:
-    goals = joint_uniform(robot, TEST_GOALS, TEST_SEED)
+def trials(content: GainFile, robot: Robot, tuning: Tuning) -> dict[str, SuccessTable]:
+    """Try tuned gains beside others with the same settings on the goals kept apart.
+
+    Parameters
+    ----------
+    content : GainFile
+        What `tune` returned.
+    robot : Robot
+        The arm.
+    tuning : Tuning
+        How the gains were tuned; start, steps and tolerances are those of every trial.
+
+    Returns
+    -------
+    dict of SuccessTable
+        "tuned"; "default", the gains that the search started from; and those of the package
+        for this robot, kind of solver and task, by their names.
+
+    Raises
+    ------
+    ArgumentError
+        Gains that do not fit the robot.
+    """
+    start_from = template(robot, tuning)
+    loop = {name: getattr(start_from, name) for name in ("start", "max_iterations", "max_restarts")}
+    tuned = content.make()
+    rivals: dict[str, Gains] = {"tuned": tuned, "default": start_from}
+    for name in gain_file.bundled():
+        other = gain_file.read(name)
+        if (other.robot, other.solver) == (robot.name, content.solver):
+            gains = other.make()
+            if _error_rows(gains) == _error_rows(tuned):
+                rivals[name] = gains
+    return {
+        name: trial(dataclasses.replace(gains, **loop), robot, tuning)
+        for name, gains in rivals.items()
+    }
+
+
+def _error_rows(gains: Gains) -> int:
+    """Return of how many rows the error is that gains take: three for positions."""
+    matrix = {"state-space": "B", "static-gain": "K"}.get(gains.name)
+    return 3 if matrix is None else len(getattr(gains, matrix)[0])
+
+
+def trial(gains: Gains, robot: Robot, tuning: Tuning) -> SuccessTable:
+    """Try gains on the goals kept apart from the training."""
+    goals = goals_of(robot, tuning, TEST_GOALS, TEST_SEED)
     answer = robot.ik(
-        goals, solver=gains, position_tolerance=tuning.tolerance, threads=tuning.threads
+        goals,
+        solver=gains,
+        position_tolerance=tuning.tolerance,
+        orientation_tolerance=tuning.orientation_tolerance,
+        threads=tuning.threads,
     )
     solved = int(answer.success.sum())
     mean = float(answer.iterations[answer.success].mean()) if solved else None
@@ -244,6 +297,7 @@ def _success(gains: Gains, robot: Robot, tuning: Tuning) -> SuccessTable:
         goals=TEST_GOALS,
         solved=solved,
         tolerance_m=tuning.tolerance,
+        tolerance_rad=tuning.orientation_tolerance if tuning.task == "pose" else None,
         max_iterations=gains.max_iterations,
         mean_iterations=mean,
     )

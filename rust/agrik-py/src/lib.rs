@@ -5,7 +5,10 @@ mod arms;
 mod collision;
 mod convert;
 mod errors;
+mod files;
+mod harvest;
 mod ik;
+mod records;
 mod result;
 mod robot;
 mod single_use;
@@ -34,11 +37,19 @@ mod _native {
     #[pymodule_export]
     use errors::_panic;
     #[pymodule_export]
-    use ik::branches::Branches;
+    use files::csv_reader::CsvRows;
+    #[pymodule_export]
+    use files::csv_writer::csv_lines;
+    #[pymodule_export]
+    use harvest::programme::HarvestProgramme;
+    #[pymodule_export]
+    use harvest::station::{HarvestStation, harvest_words};
+    #[pymodule_export]
+    use ik::branches::{Branches, branches};
     #[pymodule_export]
     use ik::control::TargetSolver;
     #[pymodule_export]
-    use result::{IkResult, statuses};
+    use result::{IkResult, ik_result, statuses};
     #[pymodule_export]
     use robot::chain::Chain;
     #[pymodule_export]

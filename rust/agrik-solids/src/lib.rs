@@ -22,7 +22,7 @@ pub mod sphere_tree;
 
 pub use agrik_compute::{Error, Result, lanes};
 pub use broad_phase::BroadPhase;
-pub use cover::{Cover, Split};
+pub use cover::{Cover, Spheres, Split};
 pub use distance::{Closest, closest, distance, distance_within, overlaps, within};
 pub use pose::Pose;
 pub use scene::{Exemption, Nearest, Object, Scene};

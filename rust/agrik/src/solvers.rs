@@ -2,7 +2,7 @@
 
 use crate::auto::Auto;
 use crate::call::{AnswersMut, Prefer, Request, Solve};
-use crate::closed_form::{ArmAngle, Choice, ClosedForm, Query};
+use crate::closed_form::{ArmAngle, Choice, Query};
 use crate::error::Result;
 use crate::lanes::Level;
 use crate::solve::{Climb, Plan, Settings, population};
@@ -87,11 +87,7 @@ impl Solver {
                 let query = Query::new(request, angle, *choice)?;
                 Ok(Call::Query(if *proof { query.with_proof() } else { query }))
             }
-            Self::Auto
-                if request.task().fixes_pose() && ClosedForm::of(request.chain()).is_ok() =>
-            {
-                Ok(Call::Auto(Auto::new(request)?))
-            }
+            Self::Auto if Auto::knows(&request) => Ok(Call::Auto(Auto::new(request)?)),
             Self::Auto => Ok(Call::Plan(Plan::new(request, Settings::default())?)),
         }
     }

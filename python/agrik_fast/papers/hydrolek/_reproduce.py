@@ -15,6 +15,7 @@ from ...tuning.goals import joint_uniform, joint_uniform_q
 from .._output import write_csv, write_text
 from . import _figures
 from ._published import PLANAR_DEG
+from ._studies import write_studies
 from ._tables import (
     GOALS,
     SIDES,
@@ -74,7 +75,7 @@ def reproduce(directory: Path, report: Callable[[str], None] | None = None) -> l
     files.append(write_csv(directory / "singular_start.csv", head, rows))
     say("figures 4 to 7")
     goal = displaced_goal(robot, "zero")
-    hot = IkPid.load("hydrolek_pid_published_hot")
+    hot = IkPid.load("hydrolek_pid_published_hot", as_tuned=True)
     traces = {
         f"Kp = {kp}": error_trace(robot, replace(hot, kp=kp), goal, "zero", 60, 1e-4)
         for kp in (0.0848, 0.0847, 0.02)
@@ -82,20 +83,26 @@ def reproduce(directory: Path, report: Callable[[str], None] | None = None) -> l
     files += _figures.error_traces(directory, "figure4", {"IK-PID, Ki = Kd = 0": traces}, "sweeps")
     sets = {"trial and error": "hydrolek_trial_published", "optimised": "hydrolek_full90_pso"}
     panels = {
-        title: {title: error_trace(robot, StateSpace.load(name), goal, "zero", 400, 1e-4)}
+        title: {
+            title: error_trace(robot, StateSpace.load(name, as_tuned=True), goal, "zero", 400, 1e-4)
+        }
         for title, name in sets.items()
     }
     files += _figures.error_traces(directory, "figure5", panels, "iterations")
-    solver = StateSpace.load("hydrolek_full90_pso")
+    solver = StateSpace.load("hydrolek_full90_pso", as_tuned=True)
     answer = robot.ik(goals, solver=solver, position_tolerance=1e-3)
     turn = robot.frames["paper"][:3, :3]
     files += _figures.workspace(directory, goals @ turn.T, answer.success)
     arm = planar_arm()
     found = arm.ik(
-        np.array([5.0, 0.0, 0.0]), solver=StateSpace.load("planar3_claim"), position_tolerance=0.02
+        np.array([5.0, 0.0, 0.0]),
+        solver=StateSpace.load("planar3_claim", as_tuned=True),
+        position_tolerance=0.02,
     )
     cloud = arm.fk(joint_uniform_q(arm, 4000, 3))[:, :2, 3]
     files += _figures.planar(directory, cloud, arm.fk_links(found.q)[:, :2, 3])
+    say("edge, singular postures, poses, stability, further robots")
+    files += write_studies(directory, robot)
     files.append(_summary(directory, found.q))
     return files
 
@@ -106,6 +113,9 @@ def _summary(directory: Path, planar_q: FloatArray) -> Path:
     lines = [
         "table2_*.csv: Table II on goals drawn uniformly in the joint limits; one thread.",
         "success.csv: goals reached of 1,000; units.csv: what units the gains can be in.",
+        "lost.csv: where goals are lost; near_singular.csv: starts beside singular postures;",
+        "pose.csv: poses by what a radian counts as; stability.csv: the state space about its",
+        "goals; robots.csv: gains for further robots.",
         f"Planar arm at (5, 0): ({angles}) degrees; published ({published}) degrees,",
         f"which miss the goal by {planar_claim():.4f} link units.",
     ]

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from .._output import figure, save
-from ._published import PUBLISHED_COST, PUBLISHED_MEAN
-from ._tables import Repeated, SinglePoint
+from ..._checks import FloatArray
+from .._output import GREY, PAGE_WIDTH, PALETTE, figure, save, styled
+from ._published import PUBLISHED_COST, PUBLISHED_MEAN, PUBLISHED_Q
+from ._tables import Repeated, SinglePoint, arm, target
 
 GOOD, BAD = "#2a7f62", "#b5462f"
 
@@ -59,3 +62,38 @@ def histogram(folder: Path, content: Repeated) -> list[Path]:
     axes.set_title(f"{content.share:.1%} of {len(costs)} runs succeed", fontsize="medium")
     axes.legend()
     return save(drawing, folder, "histogram")
+
+
+@styled
+def postures(folder: Path, q: FloatArray) -> list[Path]:
+    """Draw the arm at the published joint values and at ours (for figures 1 and 2)."""
+    drawing = figure(PAGE_WIDTH, 4.3)
+    axes: Any = drawing.add_subplot(projection="3d")
+    goal = target()
+    cases: tuple[tuple[str, ArrayLike, str, str], ...] = (
+        ("published joint values, Table I", PUBLISHED_Q, PALETTE[1], "s--"),
+        ("ours", q, PALETTE[0], "o-"),
+    )
+    for label, values, color, style in cases:
+        links = arm().fk_links(values)
+        line = np.concatenate([np.zeros((1, 3)), links[:, :3, 3]])
+        axes.plot(*line.T, style, color=color, lw=2.5, ms=5, label=label)
+        _tool_axis(axes, links[-1], color)
+    axes.plot(*goal[:3, 3], "*", ms=13, color=PALETTE[2], label="target")
+    _tool_axis(axes, goal, PALETTE[2])
+    axes.plot([0, 0], [0, 0], [0, 0], "s", ms=8, color=GREY, label="base")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_box_aspect((1, 1, 1), zoom=0.9)
+    axes.set_xlabel("x [m]")
+    axes.set_ylabel("y [m]")
+    axes.set_zlabel("z [m]")
+    axes.locator_params(nbins=5)
+    axes.view_init(elev=22, azim=-35)
+    drawing.legend(loc="outside lower center", ncols=4, title="thin lines: axis z of the tool")
+    return save(drawing, folder, "postures")
+
+
+def _tool_axis(axes: Any, pose: FloatArray, color: str) -> None:
+    """Draw the tool's z axis."""
+    end = pose[:3, 3] + 0.12 * pose[:3, 2]
+    axes.plot(*np.array([pose[:3, 3], end]).T, color=color, lw=1)

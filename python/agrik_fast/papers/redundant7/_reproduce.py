@@ -6,10 +6,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 from . import _figures, _tables
+from ._field_jobs import write_jobs
+from ._scalability import scalability, verdict, write_scalability
 from ._tables import write_table
 
 REPEATS = 1000
 """Seeds of the long repetitive test, targets of the comparison, runs a row of the ablation."""
+
+SCALED = 200
+"""Most targets an arm in the table of scalability."""
 
 
 def reproduce(
@@ -43,6 +48,7 @@ def reproduce(
     single = _tables.single_point()
     files += write_table(folder, "single_point", single.table)
     files += _figures.convergence(folder, single)
+    files += _figures.postures(folder, single.q)
     say(f"single-point test (figure 3): cost {single.costs[-1]:.2e} after 200 generations")
 
     repeated = _tables.repeated(max(repeats, 30))
@@ -55,4 +61,9 @@ def reproduce(
     say("ablation of the recipe")
     files += write_table(folder, "comparison", _tables.comparison(repeats))
     say("differential evolution beside the step solver on random targets")
+    scaled = scalability(min(repeats, SCALED))
+    files += write_scalability(folder, scaled)
+    say(f"scalability: {verdict(scaled)}")
+    files += write_jobs(folder)
+    say("a spray pass and cotton topping")
     return files

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from . import _figures
+from . import _drawings, _figures
+from ._links import write_links
+from ._lost import write_lost
 from ._published import PUBLISHED
-from ._tables import monte_carlo, write_figure8, write_table1, write_torques
+from ._tables import monte_carlo, write_figure8, write_table1
+from ._torques import write_torques
 
 
 def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -> list[Path]:
-    """Write table 1, figure 8, the torque table and a picture of the arm.
+    """Write table 1, figures 2 to 6 and 8, torques, and where the methods fail.
 
     Parameters
     ----------
@@ -33,6 +36,19 @@ def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -
     draws = {method: monte_carlo(method) for method in PUBLISHED}
     files.append(write_figure8(directory, draws))
     files += write_torques(directory)
+    say("torque by the number of links")
+    files += write_links(directory)
+    say("targets that are lost")
+    files += write_lost(directory)
+    say("figures")
+    for draw in (
+        _drawings.figure2,
+        _drawings.figure3,
+        _drawings.figure4,
+        _drawings.figure5,
+        _drawings.figure6,
+    ):
+        files += draw(directory)
     files += _figures.figure8(directory, draws)
     files += _figures.arm(directory)
     return files

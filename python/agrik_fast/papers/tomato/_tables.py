@@ -1,4 +1,4 @@
-"""Table 1 of the tomato paper, its errors and its torques, computed anew."""
+"""Table 1 of the tomato paper and its errors, computed anew."""
 
 from __future__ import annotations
 
@@ -13,17 +13,10 @@ from typing import Any
 import numpy as np
 
 from ..._checks import FloatArray
-from ...arms import (
-    HD_6001HB,
-    HS_311,
-    Load,
-    Servo,
-    TomatoArm,
-    TransposeStepWarning,
-    holding_torques,
-)
+from ...arms import TomatoArm, TransposeStepWarning
 from .._output import best_seconds, write_csv, write_text
 from ._published import PUBLISHED
+from ._torques import torque_report
 
 TOLERANCE = 5e-4
 """Distance that counts as reached, m; our choice."""
@@ -193,35 +186,6 @@ def monte_carlo(
     return np.asarray(100 * (np.abs(y) + np.abs(z)).mean(axis=1) / distance)
 
 
-def torque_rows() -> list[tuple[str, float, float, float, float, bool]]:
-    """Return the torque table: case, torques (N m), safety factors, enough."""
-    heavy = Load(link1=0.04, link2=0.04)
-    cases = {
-        "l = 0.16 m, links 32 g": holding_torques(),
-        "l = 0.20 m, links 40 g": holding_torques(0.2, 0.2, heavy),
-        "l = 0.16 m, shoulder up 45 degrees": holding_torques(phi1=math.pi / 4),
-        "l = 0.16 m, without payload": holding_torques(load=Load(payload=0.0)),
-    }
-    return [(name, *found) for name, found in cases.items()]
-
-
-def torque_report() -> list[str]:
-    """Return the torque table in Markdown."""
-    lines = [
-        "# Torques: (1) to (4), and what the servos have to spare",
-        "",
-        f"Shoulder and elbow {HD_6001HB.name} ({HD_6001HB.torque} N m; {HD_6001HB.source}). "
-        "Lengths and masses are our choice; enough is a factor of 1.7.",
-        "",
-        "| case | shoulder, N m | elbow, N m | factor, shoulder | factor, elbow | enough |",
-        "|---|---|---|---|---|---|",
-    ]
-    for name, shoulder, elbow, one, two, enough in torque_rows():
-        torques = f"{shoulder:.3f} | {elbow:.3f} | {one:.2f} | {two:.2f}"
-        lines.append(f"| {name} | {torques} | {'yes' if enough else 'no'} |")
-    return lines
-
-
 def write_table1(directory: Path) -> list[Path]:
     """Write table 1 and the report; return the files."""
     rows = table1()
@@ -267,24 +231,3 @@ def write_figure8(directory: Path, draws: Mapping[str, FloatArray]) -> Path:
         errors.append((method, f"{values.mean():.3f}", f"{high:.3f}", paper.error_percent))
     header = ["method", "mean_percent", "percentile95_percent", "published_percent"]
     return write_csv(directory / "figure8.csv", header, errors)
-
-
-def write_torques(directory: Path) -> list[Path]:
-    """Write the torque table and the servos; return the files."""
-    servo_rows = [_servo_row("shoulder, elbow", HD_6001HB), _servo_row("pan", HS_311)]
-    return [
-        write_csv(
-            directory / "torques.csv",
-            ["case", "shoulder_nm", "elbow_nm", "shoulder_factor", "elbow_factor", "enough"],
-            [(row[0], *(f"{x:.4f}" for x in row[1:5]), row[5]) for row in torque_rows()],
-        ),
-        write_csv(
-            directory / "servos.csv",
-            ["joints", "servo", "torque_nm", "mass_kg", "speed_rad_s", "source"],
-            servo_rows,
-        ),
-    ]
-
-
-def _servo_row(joints: str, servo: Servo) -> tuple[object, ...]:
-    return joints, servo.name, servo.torque, servo.mass, round(servo.speed, 3), servo.source

@@ -39,7 +39,7 @@ impl Placed {
     }
 
     /// Takes up the frames of one posture.
-    pub(super) fn fill(&mut self, bodies: &Bodies, frames: &[f64]) {
+    pub(crate) fn fill(&mut self, bodies: &Bodies, frames: &[f64]) {
         let (frames, _) = frames.as_chunks::<FRAME>();
         for (pose, m) in self.poses[1..].iter_mut().zip(frames) {
             *pose = Pose {

@@ -1,7 +1,7 @@
 //! The class `StrawberryArm`: the strawberry arm's closed forms over arrays.
 
 use agrik::arms::strawberry::{
-    Arm, Interval, Joints, Method, Parameters, Rules, SlopeCase, ThetaRule,
+    Arm, CERTIFIED, Interval, Joints, Method, Parameters, Rules, SlopeCase, ThetaRule,
 };
 use agrik::call::Answers;
 use numpy::PyArrayDyn;
@@ -281,16 +281,20 @@ impl StrawberryArm {
         Ok(steps.iter().map(|step| (step.axis.name(), step.target)).collect())
     }
 
-    /// Smallest translations of the platform, shape (..., 3), m; NaN where none helps.
+    /// Smallest translations of the platform but for `within`, shape (..., 3), m; NaN where
+    /// none helps.
+    #[pyo3(signature = (targets, may_move, within=CERTIFIED))]
     fn suggest_base_shift<'py>(
         &self,
         py: Python<'py>,
         targets: &Bound<'py, PyAny>,
         may_move: [bool; 3],
+        within: f64,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let (floats, mut shape) = rows::<3>("targets", targets)?;
         let points: &[[f64; 3]] = floats.values()?.as_chunks().0;
-        let shift = |t: &[f64; 3]| self.0.suggest_base_shift(*t, may_move).unwrap_or([f64::NAN; 3]);
+        let shift =
+            |t: &[f64; 3]| self.0.suggest_base_shift(*t, may_move, within).unwrap_or([f64::NAN; 3]);
         let mut shifts = Vec::with_capacity(3 * points.len());
         for some in points.chunks(MANY) {
             py.detach(|| shifts.extend(some.iter().flat_map(shift)));
@@ -303,10 +307,12 @@ impl StrawberryArm {
 
 /// The common record of answers that were found outside the core.
 #[pyfunction]
+#[pyo3(signature = (q, status, position_error, iterations=None))]
 pub fn ik_record(
     q: &Bound<'_, PyAny>,
     status: &Bound<'_, PyAny>,
     position_error: &Bound<'_, PyAny>,
+    iterations: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<IkResult> {
     let py = q.py();
     let q = Floats::new("q", q)?;
@@ -321,11 +327,18 @@ pub fn ik_record(
     }
     let status: Vec<u8> = status.values()?.iter().map(|code| *code as u8).collect();
     let errors = errors.values()?;
+    let iterations = match iterations {
+        Some(counts) => {
+            let counts = Floats::of_shape("iterations", counts, leading)?;
+            counts.values()?.iter().map(|count| *count as u32).collect()
+        }
+        None => vec![0; status.len()],
+    };
     let answers = Answers {
         q: q.values()?.to_vec(),
         // Infinite where nothing could be tried, as the error of position.
         orientation_error: errors.iter().map(|x| if x.is_finite() { 0.0 } else { *x }).collect(),
-        iterations: vec![0; status.len()],
+        iterations,
         restarts: vec![0; status.len()],
         position_error: errors.to_vec(),
         status,

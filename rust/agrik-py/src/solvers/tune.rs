@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, MutexGuard};
 
+use agrik::call::{Goals, Tolerance};
 use agrik::chain;
 use agrik::solve::{StartRule, Step};
 use agrik::tune::{Cost, Evolution, Family, Problem, Search, Shape, Swarm};
@@ -26,24 +27,64 @@ pub struct Tuner {
     chain: Arc<chain::Chain>,
     family: Family,
     /// The goals, those that cost the start most first.
-    goals: Vec<[f64; 3]>,
+    goals: GoalSet,
     start: StartRule,
     max_iterations: u32,
-    tolerance: f64,
+    tolerance: Tolerance,
     threads: usize,
     search: Mutex<Search>,
 }
 
-impl Tuner {
-    fn problem(&self) -> Problem<'_> {
-        self.problem_of(&self.goals)
+/// Training goals, of one kind.
+enum GoalSet {
+    /// Tool points, m.
+    Points(Vec<[f64; 3]>),
+    /// Poses, row by row.
+    Poses(Vec<[f64; 16]>),
+}
+
+impl GoalSet {
+    fn new(py: Python<'_>, floats: &Floats<'_>) -> PyResult<Self> {
+        let values = floats.values()?;
+        match floats.shape() {
+            [count, 3] if *count > 0 => Ok(Self::Points(values.as_chunks().0.to_vec())),
+            [count, 4, 4] if *count > 0 => Ok(Self::Poses(values.as_chunks().0.to_vec())),
+            other => {
+                let expected = "(n, 3) or (n, 4, 4), n > 0";
+                Err(crate::convert::wrong_shape(py, "goals", other, expected))
+            }
+        }
     }
 
-    fn problem_of<'a>(&'a self, goals: &'a [[f64; 3]]) -> Problem<'a> {
+    fn goals(&self) -> Goals<'_> {
+        match self {
+            Self::Points(points) => Goals::Positions { points, direction: None },
+            Self::Poses(poses) => Goals::Poses(poses),
+        }
+    }
+
+    fn in_order(&self, order: &[usize]) -> Self {
+        match self {
+            Self::Points(points) => Self::Points(order.iter().map(|i| points[*i]).collect()),
+            Self::Poses(poses) => Self::Poses(order.iter().map(|i| poses[*i]).collect()),
+        }
+    }
+
+    /// Rows of the error.
+    fn rows(&self) -> usize {
+        match self {
+            Self::Points(_) => 3,
+            Self::Poses(_) => 6,
+        }
+    }
+}
+
+impl Tuner {
+    fn problem(&self) -> Problem<'_> {
         Problem {
             chain: &self.chain,
             family: &self.family,
-            goals,
+            goals: self.goals.goals(),
             start: self.start,
             max_iterations: self.max_iterations,
             tolerance: self.tolerance,
@@ -66,8 +107,9 @@ fn busy(py: Python<'_>) -> PyErr {
     errors::concurrent_use(py, "this tuner", "wait until its generation is done")
 }
 
-/// Joint values that move the tool point somewhere within the limits.
-fn active(chain: &chain::Chain) -> Vec<bool> {
+/// Joint values that move the tool point somewhere within the limits, or with all six rows
+/// of the Jacobian the tool.
+fn active(chain: &chain::Chain, rows: usize) -> Vec<bool> {
     let dof = chain.dof();
     let mut jacobian = vec![0.0; 6 * dof];
     let mut moves = vec![false; dof];
@@ -79,7 +121,7 @@ fn active(chain: &chain::Chain) -> Vec<bool> {
         let q: Vec<f64> = chain.variables().iter().map(value).collect();
         agrik::kinematics::tool_jacobians(chain, &q, &mut jacobian);
         for (i, moves) in moves.iter_mut().enumerate() {
-            *moves |= (0..3).any(|k| jacobian[k * dof + i].abs() > 1e-9);
+            *moves |= (0..rows).any(|k| jacobian[k * dof + i].abs() > 1e-9);
         }
     }
     moves
@@ -91,7 +133,7 @@ impl Tuner {
     #[new]
     #[pyo3(signature = (
         chain, solver, goals, shape, method, population, sigma, seed, start, max_iterations,
-        tolerance, threads=None
+        tolerance, orientation_tolerance=1e-6, threads=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn new(
@@ -107,6 +149,7 @@ impl Tuner {
         start: &Bound<'_, PyAny>,
         max_iterations: &Bound<'_, PyAny>,
         tolerance: &Bound<'_, PyAny>,
+        orientation_tolerance: f64,
         threads: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let chain = chain.core();
@@ -114,13 +157,9 @@ impl Tuner {
         let Some((_, shape)) = SHAPES.into_iter().find(|(name, _)| *name == shape) else {
             return Err(errors::unknown_name(py, "shape", shape, &SHAPES.map(|(name, _)| name)));
         };
-        let family = Family::new(settings.step, shape, active(&chain))
+        let goals = GoalSet::new(py, &Floats::new("goals", goals)?)?;
+        let family = Family::new(settings.step, shape, active(&chain, goals.rows()))
             .map_err(|error| errors::from_core(py, error))?;
-        let points = Floats::new("goals", goals)?;
-        let shape_wanted = [points.shape().first().copied().unwrap_or(0), 3];
-        if points.shape() != shape_wanted || shape_wanted[0] == 0 {
-            return Err(crate::convert::wrong_shape(py, "goals", points.shape(), "(n, 3), n > 0"));
-        }
         let members = whole("population", population, 4, 100_000)? as usize;
         let sigma = real("sigma", sigma)?;
         if !(sigma.is_finite() && sigma > 0.0) {
@@ -133,22 +172,25 @@ impl Tuner {
             "cma" => Search::Evolution(Evolution::new(&first, members, sigma, seed)),
             other => return Err(errors::unknown_name(py, "method", other, &METHODS)),
         };
-        let goals: &[[f64; 3]] = points.values()?.as_chunks().0;
         let mut tuner = Self {
             chain,
             family,
-            goals: Vec::new(),
+            goals,
             start: solver::start_rule(start)?,
             max_iterations: whole("max_iterations", max_iterations, 1, u32::MAX.into())? as u32,
-            tolerance: real("tolerance", tolerance)?,
+            tolerance: Tolerance {
+                position: real("tolerance", tolerance)?,
+                orientation: orientation_tolerance,
+                axes: None,
+            },
             threads: threads::number(threads, "threads")?,
             search: Mutex::new(search),
         };
         let mut signals = Signals::new();
         let mut go_on = || signals.go_on_detached();
-        let ordered =
-            py.detach(|| tuner.problem_of(goals).hardest_first(&first, tuner.threads, &mut go_on));
-        tuner.goals = ordered.map_err(|error| signals.exception(py, error))?;
+        let order = py.detach(|| tuner.problem().hardest_first(&first, tuner.threads, &mut go_on));
+        let order = order.map_err(|error| signals.exception(py, error))?;
+        tuner.goals = tuner.goals.in_order(&order);
         Ok(tuner)
     }
 

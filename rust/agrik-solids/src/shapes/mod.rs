@@ -117,6 +117,11 @@ impl Solid {
         Self::new(Core::Point(centre), radius)
     }
 
+    /// A solid of numbers that have been checked.
+    pub(crate) fn known(core: Core, radius: f64) -> Self {
+        Self { core, radius }
+    }
+
     /// A sphere of numbers that have been checked.
     pub(crate) fn known_sphere(centre: Point, radius: f64) -> Self {
         Self { core: Core::Point(centre), radius }

@@ -9,7 +9,7 @@
 //! `cos(phi2) = (D^2 - l1^2 - l2^2) / (2 l1 l2)`, elbow up with a negative and down with a
 //! positive sine; `phi3 = atan2(Y, X)` and `phi1 = atan2(z, rho) - atan2(l2 sin(phi2),
 //! l1 + l2 cos(phi2))`; or the pan half a turn round and `-rho` in place of `rho`. The
-//! paper's (5)-(9) have the elbow's sign wrong for its own (10)-(12), X in place of rho, and
+//! paper's (5)-(8) have the elbow's sign wrong for its own (10)-(12), X in place of rho, and
 //! an arc cosine that loses the sign of z.
 
 use super::{distance, goes_on};

@@ -20,11 +20,20 @@ pub enum Status {
     /// Reached within tolerance and limits, but by no posture found that the call's guard
     /// accepts: all of them hit something. The least bad one is given.
     InCollision = 6,
+    /// There are postures, but none within the limits.
+    JointLimits = 7,
+    /// Reached, by postures of a family in which a joint turns freely (all branches only).
+    SingularFamily = 8,
+    /// The target asks for more than the arm has joints for: the nearest postures are given, with
+    /// the angle that is left (all branches only).
+    Overdetermined = 9,
+    /// Nothing here solves such an arm (all branches only).
+    Unsupported = 10,
 }
 
 impl Status {
     /// Every status, in the order of its codes.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 11] = [
         Self::Converged,
         Self::OutOfReach,
         Self::NotFound,
@@ -32,6 +41,10 @@ impl Status {
         Self::Stalled,
         Self::NonFinite,
         Self::InCollision,
+        Self::JointLimits,
+        Self::SingularFamily,
+        Self::Overdetermined,
+        Self::Unsupported,
     ];
 
     /// The name that users and files know it by.
@@ -44,6 +57,10 @@ impl Status {
             Self::Stalled => "stalled",
             Self::NonFinite => "non_finite",
             Self::InCollision => "in_collision",
+            Self::JointLimits => "joint_limits",
+            Self::SingularFamily => "singular_family",
+            Self::Overdetermined => "overdetermined",
+            Self::Unsupported => "unsupported",
         }
     }
 }
@@ -218,6 +235,24 @@ impl<'a> AnswersMut<'a> {
                 },
             )
             .collect()
+    }
+
+    /// Tells the errors of solved rows from `first` to `end` of this run anew.
+    pub(crate) fn tell_anew(
+        &mut self,
+        first: usize,
+        end: usize,
+        mut errors: impl FnMut(usize, &[f64]) -> Option<(f64, f64)>,
+    ) {
+        let dof = self.q.len() / self.status.len().max(1);
+        for i in first..end {
+            let q = &self.q[i * dof..(i + 1) * dof];
+            if self.status[i] == Status::Converged as u8
+                && let Some((position, orientation)) = errors(self.first + i, q)
+            {
+                (self.position_error[i], self.orientation_error[i]) = (position, orientation);
+            }
+        }
     }
 
     /// Writes row `i` of this run and returns its joint values to be filled.

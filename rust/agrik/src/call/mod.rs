@@ -11,7 +11,8 @@ mod targets;
 
 pub(crate) use accept::Verdict;
 pub use accept::{Accept, Guard, Prefer};
-pub use aim::{Aim, Tolerance};
+pub use aim::{Aim, AxisBounds, Near, Tolerance};
+pub(crate) use aim::{INSIDE, Left, Measure};
 pub(crate) use answers::Outcome;
 pub use answers::{Answers, AnswersMut, Status};
 pub use batch::{Solve, solve, solve_at, solve_into};

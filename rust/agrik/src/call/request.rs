@@ -1,16 +1,13 @@
 //! A request: targets of a chain, what counts as reaching them, and where to start from.
 
 use super::accept::Guard;
-use super::aim::{Aim, Tolerance};
+use super::aim::{Aim, Left, Tolerance};
 use super::targets::{Copies, Goals, Starts};
 use crate::allowed::is_measure;
 use crate::chain::{Chain, Tail};
 use crate::error::{Error, Result};
 use crate::kinematics::Workspace;
-use crate::task::{
-    AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task, axis_goal, pose_goal,
-    pose_parts, unit,
-};
+use crate::task::{Goal, Task, axis_goal, pose_goal, pose_parts, unit};
 
 /// What every solver is given.
 #[derive(Debug, Clone, Copy)]
@@ -190,31 +187,9 @@ impl<'a> Request<'a> {
         }
     }
 
-    /// Squared distance (m^2) and angle (rad^2) between a posture and a goal.
-    pub(crate) fn errors(&self, at: &Workspace<f64>, goal: &Goal<f64>) -> (f64, f64) {
-        let tail = self.aim.tail();
-        let tool = at.tool_point(tail.translation);
-        let scale = 1.0;
-        match self.aim.task() {
-            Task::Position => {
-                let e = PositionRows.error(at, tool, goal);
-                (e.position2, e.orientation2)
-            }
-            Task::Pose => {
-                let e = PoseRows { scale, onward: None }.error(at, tool, goal);
-                (e.position2, e.orientation2)
-            }
-            Task::Axis { tool_axis } => {
-                let axis = tail.direction(tool_axis);
-                let e = AxisRows { scale, axis }.error(at, tool, goal);
-                (e.position2, e.orientation2)
-            }
-            Task::Masked { weights, frame } => {
-                let rows = MaskedRows { scale, weights, frame, tool: tail.rotation };
-                let e = rows.error(at, tool, goal);
-                (e.position2, e.orientation2)
-            }
-        }
+    /// What is left between a posture and a goal.
+    pub(crate) fn left(&self, at: &Workspace<f64>, goal: &Goal<f64>) -> Left {
+        self.aim.left(at, goal)
     }
 }
 

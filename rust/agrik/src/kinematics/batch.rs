@@ -2,23 +2,65 @@
 
 use smallvec::{SmallVec, smallvec};
 
-use super::fk::angle_of;
+use super::fk::{angle_of, forward_far};
 use super::{Frame, PerJoint, Workspace, columns, forward};
-use crate::chain::{Chain, Tail};
+use crate::chain::{Chain, JointKind, Tail, Variable};
 use crate::lanes::{Kernel, Level, Real, V3, WIDEST, dispatch, dispatch_single};
 
+/// Angles beyond this lose digits in sums, rad.
+const MANY: f64 = 100.0;
 /// Numbers of one pose.
 const POSE: usize = 16;
 
 /// Tool poses of all rows of `q` (`dof` numbers each), 16 numbers a pose, row by row.
 pub fn tool_poses(chain: &Chain, q: &[f64], out: &mut [f64]) {
     run(q.len() / chain.dof(), Poses { chain, q, out });
+    let compiled = chain.compiled();
+    far_rows(chain, q, |row, workspace| {
+        let pose = pose_rows(workspace, &compiled.tail);
+        out[row * POSE..(row + 1) * POSE].copy_from_slice(&pose);
+    });
+}
+
+/// Hands over the rows in which a joint turns by more than rounded sums allow.
+fn far_rows(chain: &Chain, q: &[f64], mut write: impl FnMut(usize, &Workspace<f64>)) {
+    // Not a number is not far; mostly nothing is.
+    if !q.iter().any(|x| x.abs() > MANY) {
+        return;
+    }
+    let mut workspace = Workspace::new(chain.compiled());
+    for (row, q) in q.chunks_exact(chain.dof()).enumerate() {
+        let turns = |v: &Variable| v.kind != JointKind::Prismatic;
+        if chain.variables().iter().zip(q).any(|(v, x)| turns(v) && x.abs() > MANY) {
+            forward_far(chain.compiled(), q, &mut workspace);
+            write(row, &workspace);
+        }
+    }
 }
 
 /// Geometric Jacobians of all rows of `q`, `6 * dof` numbers each, row by row: linear
 /// velocity of the tool point, then angular velocity, both in the world frame.
 pub fn tool_jacobians(chain: &Chain, q: &[f64], out: &mut [f64]) {
     run(q.len() / chain.dof(), Jacobians { chain, q, out });
+    let size = 6 * chain.dof();
+    far_rows(chain, q, |row, workspace| {
+        let mut sums = vec![0.0; size];
+        add_columns(chain, workspace, &mut sums);
+        out[row * size..(row + 1) * size].copy_from_slice(&sums);
+    });
+}
+
+/// Adds the columns of a configuration to a Jacobian, row by row.
+#[inline(always)]
+fn add_columns<R: Real>(chain: &Chain, workspace: &Workspace<R>, sums: &mut [R]) {
+    let (compiled, dof) = (chain.compiled(), chain.dof());
+    let point = workspace.tool_point(compiled.tail.translation);
+    columns(compiled, workspace, point, |variable, linear, angular| {
+        for k in 0..3 {
+            sums[k * dof + variable] += linear[k];
+            sums[(k + 3) * dof + variable] += angular[k];
+        }
+    });
 }
 
 /// Numbers of one frame of [`moving_frames`].
@@ -177,14 +219,8 @@ impl Kernel for Jacobians<'_> {
             let rows = from.len() / dof;
             load(from, dof, rows, &mut q);
             forward(compiled, &q, &mut workspace);
-            let point = workspace.tool_point(compiled.tail.translation);
             sums.fill(R::zero());
-            columns(compiled, &workspace, point, |variable, linear, angular| {
-                for k in 0..3 {
-                    sums[k * dof + variable] += linear[k];
-                    sums[(k + 3) * dof + variable] += angular[k];
-                }
-            });
+            add_columns(self.chain, &workspace, &mut sums);
             unload(&sums, to);
         }
     }

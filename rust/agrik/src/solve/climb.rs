@@ -8,12 +8,12 @@ use nalgebra::{DMatrix, DVector};
 
 use super::plan::Plan;
 use super::step::Settings;
-use crate::call::{Answers, AnswersMut, Guard, Outcome, Request, Solve, Status};
+use crate::call::{Answers, AnswersMut, Guard, Measure, Outcome, Request, Solve, Status};
 use crate::chain::JointKind;
 use crate::error::Result;
 use crate::kinematics::{Workspace, columns, forward};
 use crate::lanes::Level;
-use crate::task::{AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task};
+use crate::task::{Goal, Rows};
 
 /// Most steps for one target, and halvings of one step.
 const STEPS: u32 = 30;
@@ -149,18 +149,11 @@ impl<'a, C> Climb<'a, C> {
     /// How the rows of the task change with each joint value.
     fn jacobian(&self, q: &[f64], goal: &Goal<f64>) -> DMatrix<f64> {
         let setup = self.plan.setup();
-        let (scale, tail) = (setup.rotation_scale, setup.aim.tail());
-        match setup.aim.task() {
-            Task::Position => self.columns::<_, 3>(PositionRows, q, goal),
-            Task::Pose => self.columns::<_, 6>(PoseRows { scale, onward: None }, q, goal),
-            Task::Axis { tool_axis } => {
-                let axis = tail.direction(tool_axis);
-                self.columns::<_, 5>(AxisRows { scale, axis }, q, goal)
-            }
-            Task::Masked { weights, frame } => {
-                let rows = MaskedRows { scale, weights, frame, tool: tail.rotation };
-                self.columns::<_, 6>(rows, q, goal)
-            }
+        match setup.aim.measure(setup.rotation_scale) {
+            Measure::Position(rows) => self.columns::<_, 3>(rows, q, goal),
+            Measure::Pose(rows) => self.columns::<_, 6>(rows, q, goal),
+            Measure::Axis(rows) => self.columns::<_, 5>(rows, q, goal),
+            Measure::Framed(rows) => self.columns::<_, 6>(rows, q, goal),
         }
     }
 
@@ -174,9 +167,10 @@ impl<'a, C> Climb<'a, C> {
         let mut workspace = Workspace::new(chain);
         forward(chain, q, &mut workspace);
         let tool = workspace.tool_point(self.plan.setup().aim.tail().translation);
+        let seen = rows.look(&workspace, tool, goal);
         let mut matrix = DMatrix::zeros(M, q.len());
         columns(chain, &workspace, tool, |variable, linear, angular| {
-            let column = rows.column(&workspace, goal, linear, angular);
+            let column = rows.column(&seen, goal, linear, angular);
             for (r, x) in column.into_iter().enumerate() {
                 matrix[(r, variable)] += x;
             }

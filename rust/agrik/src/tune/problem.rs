@@ -1,5 +1,7 @@
 //! What a vector of gains costs on a set of training goals.
 
+use std::f64::consts::PI;
+
 use super::Family;
 use crate::call::{Aim, Goals, Request, Starts, Status, Tolerance, solve};
 use crate::chain::Chain;
@@ -21,6 +23,8 @@ pub struct Cost {
     pub per_metre: f64,
     /// Errors beyond count as this, m.
     pub farthest: f64,
+    /// On top per radian of orientation error left, where the goals are poses.
+    pub per_radian: f64,
     /// On top for numbers that grew beyond all bounds; on top of any cost where the states
     /// of a state space do not die out.
     pub broken: f64,
@@ -28,7 +32,14 @@ pub struct Cost {
 
 impl Default for Cost {
     fn default() -> Self {
-        Self { effort: 0.1, missed: 10.0, per_metre: 20.0, farthest: 1.0, broken: 40.0 }
+        Self {
+            effort: 0.1,
+            missed: 10.0,
+            per_metre: 20.0,
+            farthest: 1.0,
+            per_radian: 5.0,
+            broken: 40.0,
+        }
     }
 }
 
@@ -50,14 +61,14 @@ pub struct Problem<'a> {
     pub chain: &'a Chain,
     /// Which gains are free.
     pub family: &'a Family,
-    /// Tool points, m.
-    pub goals: &'a [[f64; 3]],
+    /// Tool points (m) or poses.
+    pub goals: Goals<'a>,
     /// Where every attempt starts.
     pub start: StartRule,
     /// Steps of an attempt.
     pub max_iterations: u32,
-    /// Distance at which a goal counts as reached, m.
-    pub tolerance: f64,
+    /// Errors at which a goal counts as reached.
+    pub tolerance: Tolerance,
     /// What is paid.
     pub cost: Cost,
 }
@@ -102,7 +113,7 @@ impl Problem<'_> {
     ) -> Result<f64> {
         self.check()?;
         let count = self.goals.len() as f64;
-        let (first, rest) = self.goals.split_at(self.goals.len() / FIRST);
+        let (first, rest) = split(self.goals, self.goals.len() / FIRST);
         let mut sums = Sums::default();
         for goals in [first, rest].into_iter().filter(|goals| !goals.is_empty()) {
             for cost in self.costs(x, goals, &mut sums, threads, poll)? {
@@ -115,19 +126,19 @@ impl Problem<'_> {
         Ok(sums.cost / count)
     }
 
-    /// The goals, those that cost a vector most before the others: where most of the cost
-    /// is, a poor vector shows soon.
+    /// The numbers of the goals, those that cost a vector most before the others: where most
+    /// of the cost is, a poor vector shows soon.
     pub fn hardest_first(
         &self,
         x: &[f64],
         threads: usize,
         poll: &mut dyn FnMut() -> bool,
-    ) -> Result<Vec<[f64; 3]>> {
+    ) -> Result<Vec<usize>> {
         self.check()?;
         let costs = self.costs(x, self.goals, &mut Sums::default(), threads, poll)?;
         let mut order: Vec<usize> = (0..self.goals.len()).collect();
         order.sort_by(|a, b| costs[*b].total_cmp(&costs[*a]));
-        Ok(order.into_iter().map(|i| self.goals[i]).collect())
+        Ok(order)
     }
 
     fn check(&self) -> Result<()> {
@@ -141,7 +152,7 @@ impl Problem<'_> {
     fn costs(
         &self,
         x: &[f64],
-        goals: &[[f64; 3]],
+        goals: Goals<'_>,
         sums: &mut Sums,
         threads: usize,
         poll: &mut dyn FnMut() -> bool,
@@ -155,9 +166,12 @@ impl Problem<'_> {
             start: self.start,
             pace: Pace::Full,
         };
-        let tolerance = Tolerance { position: self.tolerance, ..Tolerance::default() };
-        let goals = Goals::Positions { points: goals, direction: None };
-        let aim = Aim::new(self.chain, Task::Position, tolerance, None)?;
+        let task = match goals {
+            Goals::Positions { .. } => Task::Position,
+            Goals::Poses(_) => Task::Pose,
+        };
+        let turned = matches!(goals, Goals::Poses(_));
+        let aim = Aim::new(self.chain, task, self.tolerance, None)?;
         let request = Request::new(self.chain, aim, goals, Starts::Free)?;
         let answers = solve(&Plan::new(request, settings)?, threads, poll)?;
         let pay = &self.cost;
@@ -171,10 +185,27 @@ impl Problem<'_> {
             }
             let error = answers.position_error[row];
             let left = if error < pay.farthest { error } else { pay.farthest };
+            let angle = if turned { answers.orientation_error[row].min(PI) } else { 0.0 };
             let effort = pay.effort * f64::from(self.max_iterations) / STEPS;
             let broken = if *status == Status::NonFinite as u8 { pay.broken } else { 0.0 };
-            effort + pay.missed + pay.per_metre * left + broken + unstable
+            let distance = pay.per_metre * left + pay.per_radian * angle;
+            effort + pay.missed + distance + broken + unstable
         };
         Ok(answers.status.iter().enumerate().map(cost).collect())
+    }
+}
+
+/// The goals before a place, and those from it on.
+fn split(goals: Goals<'_>, at: usize) -> (Goals<'_>, Goals<'_>) {
+    match goals {
+        Goals::Positions { points, direction } => {
+            let (first, rest) = points.split_at(at);
+            let some = |points| Goals::Positions { points, direction };
+            (some(first), some(rest))
+        }
+        Goals::Poses(poses) => {
+            let (first, rest) = poses.split_at(at);
+            (Goals::Poses(first), Goals::Poses(rest))
+        }
     }
 }

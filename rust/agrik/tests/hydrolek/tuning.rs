@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use agrik::solve::{StartRule, StateSpace, Step};
+use agrik::call::{Goals, Tolerance};
+use agrik::solve::{GainUnits, StartRule, StateSpace, StaticGain, Step};
 use agrik::tune::{Cost, Family, Problem, Shape};
 
 use crate::arms::{gains, hydrolek, joint_uniform, paper_units, state_space};
@@ -16,6 +17,10 @@ fn family(set: StateSpace, shape: Shape) -> Family {
     Family::new(Step::StateSpace(Some(Arc::new(set))), shape, active).expect("a family")
 }
 
+fn points(points: &[[f64; 3]]) -> Goals<'_> {
+    Goals::Positions { points, direction: None }
+}
+
 /// Calls `test` with the tuner's problem on 400 goals.
 fn with_problem(family: &Family, test: impl FnOnce(&Problem<'_>)) {
     let chain = hydrolek();
@@ -23,10 +28,10 @@ fn with_problem(family: &Family, test: impl FnOnce(&Problem<'_>)) {
     test(&Problem {
         chain: &chain,
         family,
-        goals: &goals,
+        goals: points(&goals),
         start: StartRule::Zero,
         max_iterations: 400,
-        tolerance: 1e-3,
+        tolerance: Tolerance { position: 1e-3, ..Tolerance::default() },
         cost: Cost::default(),
     });
 }
@@ -53,14 +58,16 @@ fn the_hardest_goals_come_first_and_none_is_lost() {
     let family = family(set("trial_published"), Shape::Diagonal);
     with_problem(&family, |problem| {
         let x = family.start();
-        let sorted = problem.hardest_first(&x, 2, &mut || true).expect("goals");
+        let Goals::Positions { points: all, .. } = problem.goals else { panic!("points") };
+        let order = problem.hardest_first(&x, 2, &mut || true).expect("an order");
+        let sorted: Vec<[f64; 3]> = order.iter().map(|i| all[*i]).collect();
         let cost = |goals: &[[f64; 3]]| {
-            let problem = Problem { goals, ..problem.clone() };
+            let problem = Problem { goals: points(goals), ..problem.clone() };
             problem.score(&x, 1, &mut || true).expect("a score").cost
         };
         let quarters: Vec<f64> = sorted.chunks(100).map(cost).collect();
         assert!(quarters.windows(2).all(|pair| pair[0] >= pair[1]), "{quarters:?}");
-        assert!((cost(&sorted) - cost(problem.goals)).abs() < 1e-12);
+        assert!((cost(&sorted) - cost(all)).abs() < 1e-12);
     });
 }
 
@@ -92,4 +99,44 @@ fn states_that_grow_unheard_are_charged() {
     let (quiet, growing) = (cost(quiet), cost(growing));
     assert!(quiet.0 && !growing.0);
     assert!((growing.1 - quiet.1 - Cost::default().broken).abs() < 1e-9);
+}
+
+#[test]
+fn poses_are_charged_for_their_orientation_too() {
+    let chain = hydrolek();
+    let n = chain.dof();
+    let limits = chain.variables();
+    let q: Vec<f64> = (0..40 * n)
+        .map(|i| {
+            let v = &limits[i % n];
+            v.lower + (v.upper - v.lower) * ((i * 37 % 101) as f64 / 101.0)
+        })
+        .collect();
+    let mut flat = vec![0.0; 16 * 40];
+    agrik::kinematics::tool_poses(&chain, &q, &mut flat);
+    let poses: &[[f64; 16]] = flat.as_chunks().0;
+    let gain = agrik::solve::frozen_gain(&chain, Some(0.3)).expect("a gain");
+    assert_eq!((gain.rows(), gain.columns), (6, 6));
+    let units = GainUnits { per_radian: Some(0.3), ..GainUnits::default() };
+    let step = Step::StaticGain(Some(Arc::new(StaticGain { gain, units })));
+    let family = Family::new(step, Shape::Full, vec![true; n]).expect("a family");
+    assert_eq!(family.start().len(), 36);
+    let score = |orientation: f64, per_radian: f64| {
+        let problem = Problem {
+            chain: &chain,
+            family: &family,
+            goals: Goals::Poses(poses),
+            start: StartRule::Zero,
+            max_iterations: 50,
+            tolerance: Tolerance { position: 10.0, orientation },
+            cost: Cost { per_radian, ..Cost::default() },
+        };
+        problem.score(&family.start(), 1, &mut || true).expect("a score")
+    };
+    // However far off a goal is, it counts as reached if its orientation may be anything.
+    assert_eq!(score(4.0, 5.0).solved, 40);
+    let (free, charged) = (score(1e-9, 0.0), score(1e-9, 5.0));
+    assert!(free.solved < 40 && free.solved == charged.solved);
+    assert!(charged.cost > free.cost + 0.01, "{} {}", charged.cost, free.cost);
+    assert!(charged.cost < free.cost + 5.0 * std::f64::consts::PI);
 }

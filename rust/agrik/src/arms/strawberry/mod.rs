@@ -22,6 +22,7 @@ pub use command::{Axis, Command};
 pub use energy::SlopeCase;
 pub use exact::FreePose;
 pub use sets::{Gap, Interval, Place, ThetaSets};
+pub use shift::CERTIFIED;
 
 use super::{distance, goes_on};
 use crate::call::{Answers, Status};

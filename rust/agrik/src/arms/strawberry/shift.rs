@@ -3,7 +3,7 @@
 //! # Claim
 //!
 //! No translation along the axes that may move is shorter than the one found by more than
-//! [`CERTIFIED`]; and where none is found, none exists.
+//! the length asked for; and where none is found, none exists.
 //!
 //! # Proof
 //!
@@ -31,8 +31,8 @@
 //! is convex and quadratic between the window's lines: its least is at an end, at a line, or
 //! at the foot of a corner.
 //!
-//! Pieces are halved until no bound is shorter than the best arc found by more than
-//! [`CERTIFIED`]. An arc is tried at the middle of each piece and at the reach that the
+//! Pieces are halved until no bound is shorter than the best arc found by more than the
+//! length asked for. An arc is tried at the middle of each piece and at the reach that the
 //! relaxed problem takes.
 
 use std::collections::VecDeque;
@@ -41,8 +41,8 @@ use super::sets::Window;
 use super::{Arm, Interval, SLIDE_TOLERANCE, Turn, other_leg};
 use crate::lanes::hypotenuse;
 
-/// How much shorter than the answer a translation might be, m.
-const CERTIFIED: f64 = 1e-8;
+/// How much shorter than the answer a translation might be, m, where nobody asks for another.
+pub const CERTIFIED: f64 = 1e-8;
 /// Added to a shift so that the target ends inside and not on the edge of rounding, m.
 const MARGIN: f64 = 1e-9;
 
@@ -87,10 +87,15 @@ impl Nearest<'_> {
 
 impl Arm {
     /// The smallest translation of the platform (m, base frame) that brings a target in
-    /// reach, along the axes that may move: none is shorter by more than 1e-8 m, see the
+    /// reach, along the axes that may move: none is shorter by more than `within` (m), see the
     /// proof in the source. Zero for a target in reach, `None` where no such translation
     /// exists or the target is not finite.
-    pub fn suggest_base_shift(&self, target: [f64; 3], may_move: [bool; 3]) -> Option<[f64; 3]> {
+    pub fn suggest_base_shift(
+        &self,
+        target: [f64; 3],
+        may_move: [bool; 3],
+        within: f64,
+    ) -> Option<[f64; 3]> {
         if !target.iter().all(|x| x.is_finite()) {
             return None;
         }
@@ -145,7 +150,7 @@ impl Arm {
             let middle = piece.middle();
             let at_reach = ((lack.r - p.l2) / p.l3).clamp(-1.0, 1.0).acos();
             consider(piece.nearest(if piece.low < 0.0 { -at_reach } else { at_reach }));
-            if bound < consider(middle) - CERTIFIED && piece.low < middle && middle < piece.high {
+            if bound < consider(middle) - within && piece.low < middle && middle < piece.high {
                 let halves = [Interval::new(piece.low, middle), Interval::new(middle, piece.high)];
                 pieces.extend(halves);
             }

@@ -208,7 +208,7 @@ fn shifts_bring_in_reach_and_smaller_ones_do_not() {
     for _ in 0..300 {
         let target =
             [0, 1, 2].map(|i| low[i] - 0.1 + random(&mut state) * (high[i] - low[i] + 0.2));
-        let shift = arm.suggest_base_shift(target, [true; 3]).unwrap();
+        let shift = arm.suggest_base_shift(target, [true; 3], CERTIFIED).unwrap();
         let moved = |v: [f64; 3]| [target[0] - v[0], target[1] - v[1], target[2] - v[2]];
         let length = shift.iter().map(|v| v * v).sum::<f64>().sqrt();
         assert!(arm.exact(moved(shift)).is_ok(), "{target:?} {shift:?}");
@@ -275,7 +275,7 @@ fn no_grid_finds_a_shorter_shift() {
             let target = [0, 1, 2]
                 .map(|i| low[i] - margin + random(&mut state) * (high[i] - low[i] + 2.0 * margin));
             let grid = shift_by_grid(&arm, target, may_move);
-            let Some(shift) = arm.suggest_base_shift(target, may_move) else {
+            let Some(shift) = arm.suggest_base_shift(target, may_move, CERTIFIED) else {
                 assert_eq!(grid, f64::INFINITY, "{target:?} {may_move:?}");
                 held += 1;
                 continue;

@@ -15,8 +15,7 @@ use crate::call::{AnswersMut, Guard, Outcome, Prefer, Status};
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::branch::group::{Job, Near};
 use crate::closed_form::geometry::candidate::JOINTS;
-use crate::lanes::{Level, dot, sub};
-use crate::task::rotation_between;
+use crate::lanes::Level;
 
 /// Arm angles all round that are looked at where one is free.
 const ANGLES: usize = 24;
@@ -136,8 +135,6 @@ fn candidates(
 /// Distance and angle between a posture and a target.
 fn errors(job: &Job<'_>, query: &Query<'_>, row: usize, q: &[f64]) -> (f64, f64) {
     let Some(goal) = query.request.goal(row) else { return (f64::INFINITY, f64::INFINITY) };
-    let (axes, point) = job.pose(q);
-    let way = sub(point, goal.position);
-    let turn = rotation_between(axes, goal.axes);
-    (dot(way, way).sqrt(), dot(turn, turn).sqrt())
+    let left = query.request.left(&job.at(q), &goal);
+    (left.position2.sqrt(), left.orientation2.sqrt())
 }

@@ -11,7 +11,7 @@ use crate::kinematics::{Workspace, forward};
 use crate::lanes::{Kernel, Level, Real, dispatch};
 use crate::random::Stream;
 use crate::solve::limit::limits;
-use crate::solve::plan::{INSIDE, Plan};
+use crate::solve::plan::Plan;
 use crate::solve::step;
 use crate::task::Goal;
 
@@ -39,7 +39,7 @@ pub struct Evolution<'a> {
 impl<'a> Evolution<'a> {
     /// A checked search.
     pub fn new(request: Request<'a>, settings: Settings) -> Result<Self> {
-        settings.check_for(&request.task())?;
+        settings.check_for(request.aim())?;
         let plan = Plan::new(request, POLISH)?;
         let setup = plan.setup();
         let orientation_weight =
@@ -84,7 +84,7 @@ impl<'a> Evolution<'a> {
         let weight = self.settings.start_weight;
         let setup = plan.setup();
         TaskFitness {
-            task: setup.aim.task(),
+            measure: setup.aim.measure(1.0),
             orientation: self.settings.orientation,
             position_weight: self.settings.position_weight,
             orientation_weight: self.orientation_weight,
@@ -223,7 +223,8 @@ impl<'e, R: Real> Search<'e, R> {
         }
         let unreachable = plan.proven_unreachable(&goal);
         outcome.status = if unreachable { Status::OutOfReach } else { Status::NotFound };
-        if settings.polish && start.is_some() {
+        let first = plan.setup().aim.puts_position_first();
+        if settings.polish && start.is_some() && !first {
             // What is near the start values needs no search.
             self.take_start(start);
             self.polish(row, &goal, 1);
@@ -245,7 +246,7 @@ impl<'e, R: Real> Search<'e, R> {
             let best = self.order[0];
             self.population.read(best, &mut self.q);
             self.consider(&goal, start);
-            if settings.polish && !self.found.is_answer() {
+            if settings.polish && (first || !self.found.is_answer()) {
                 self.polish(row, &goal, POLISHED);
             }
             if self.found.is_answer() || unreachable || outcome.restarts == settings.max_restarts {
@@ -346,7 +347,8 @@ impl<'e, R: Real> Search<'e, R> {
             self.consider(goal, start);
             // Without start values to stay near, the first that reaches is as good as any.
             let any = plan.request.guard().is_none_or(|guard| guard.prefer == Prefer::First);
-            if self.found.is_answer() && start.is_none() && any {
+            let first = plan.setup().aim.puts_position_first();
+            if self.found.is_answer() && start.is_none() && any && !first {
                 break;
             }
         }
@@ -361,12 +363,12 @@ impl<'e, R: Real> Search<'e, R> {
             self.q[i] = v.wound(self.q[i], about);
         }
         forward(plan.request.chain().compiled(), &self.q, &mut self.workspace);
-        let (position2, orientation2) = plan.request.errors(&self.workspace, goal);
+        let left = plan.request.left(&self.workspace, goal);
         let setup = plan.setup();
-        let tolerance = setup.aim.tolerance();
-        let reached = position2 <= (tolerance.position * INSIDE).powi(2)
-            && orientation2 <= (tolerance.orientation * INSIDE).powi(2);
+        let reached = setup.aim.is_met(&left);
+        let (position2, orientation2) = (left.position2, left.orientation2);
         let squared = match start {
+            _ if reached && setup.aim.puts_position_first() => orientation2,
             Some(start) if reached => {
                 self.q.iter().zip(start).map(|(x, s)| (x - s) * (x - s)).sum()
             }
