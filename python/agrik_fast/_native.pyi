@@ -264,6 +264,7 @@ class Chain:
         collider: Collider | None = None,
         clear: float | None = None,
         prefer: str | None = None,
+        invalid: str | None = None,
     ) -> IkResult:
         """Solve a batch of targets; see `agrik_fast.Robot.ik`.
 
@@ -324,6 +325,7 @@ class Chain:
         sweep: int | None = None,
         wrap: bool = False,
         task: object = None,
+        invalid: str | None = None,
     ) -> Branches:
         """All branches of a batch of poses; see `agrik_fast.Robot.ik_all`."""
 

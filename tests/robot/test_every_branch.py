@@ -381,7 +381,8 @@ def test_wrong_arguments_say_what_was_expected() -> None:
     with pytest.raises(ArgumentError, match="sweep"):
         of_reference(SIX["ur5"]).ik_all(pose, sweep=3)
     with pytest.raises(ArgumentError, match="rigid"):
-        panda.ik_all(2.0 * np.eye(4))
+        panda.ik_all(2.0 * np.eye(4), invalid="raise")
+    assert panda.ik_all(2.0 * np.eye(4)).status == Status.BAD_INPUT
     with pytest.raises(ArgumentError, match="arm_angle"):
         panda.ik_all(pose, arm_angle=0.1)
     assert panda.ik_all(pose, locked={last: np.nan}).status == Status.BAD_INPUT

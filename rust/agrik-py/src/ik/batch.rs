@@ -53,7 +53,8 @@ pub fn solve(
     };
     match answers {
         Ok(answers) => {
-            let made = IkResult::new(call.targets.leading_shape().to_vec(), chain.dof(), answers);
+            let shape = call.targets.leading_shape().to_vec();
+            let made = IkResult::new(shape, chain.dof(), answers).with_warnings(call.warnings());
             Ok(made.in_scene(scene.as_ref().map(|scene| Arc::clone(&scene.collider))))
         }
         Err(error) => Err(signals.exception(py, error)),
@@ -76,6 +77,15 @@ pub fn solve_all<'py>(
     wishes: &Wishes<'_, 'py>,
 ) -> PyResult<Branches> {
     let call = Call::new(py, chain, given)?;
+    Ok(branches_of(py, chain, &call, wishes)?.with_warnings(call.warnings()))
+}
+
+fn branches_of<'py>(
+    py: Python<'py>,
+    chain: &Chain,
+    call: &Call<'py>,
+    wishes: &Wishes<'_, 'py>,
+) -> PyResult<Branches> {
     let leading = call.targets.leading_shape();
     let angles = ArmAngles::new(wishes.arm_angle, leading)?;
     let mut points = Vec::new();
