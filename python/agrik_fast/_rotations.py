@@ -19,7 +19,6 @@ QUATERNION_LENGTH_TOLERANCE = 1e-3
 # The compiled core refuses by the same number and the same operations, so that what passes
 # here passes there.
 RIGID_TOLERANCE = 1e-6
-# Poses checked at a time; their entries and what is made of them stay in a core's cache.
 
 
 def from_quaternion(xyzw: FloatArray) -> FloatArray:
