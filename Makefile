@@ -41,7 +41,7 @@ format: $(VENV)/.dev ## let rustfmt and ruff write the files the way `make lint`
 	$(PY) -m ruff format .
 
 bench: build $(VENV)/.dev ## criterion benches of the core, then this library beside its peers
-	cargo bench $(LOCKED) -p agrik -p agrik-solids
+	cargo bench $(LOCKED) -p agrik -p agrik-solids -p agrik-motion
 	$(PY) benches/peers.py
 	$(PY) benches/closed_forms.py
 
@@ -77,7 +77,7 @@ damaged: build $(VENV)/.dev ## 2,000 damaged files: no traceback, < 500 MB, < 5 
 fuzz-arms: build ## random arms, solvers and tasks against what is promised: 10^7 rows
 	$(PY) benches/fuzz_arms.py --rows 1e7
 
-fuzz-sample: build
+fuzz-sample: build ## two minutes of the same, as in the continuous integration
 	$(PY) benches/fuzz_arms.py --minutes 2
 
 robustness: build $(ROBOTS)/.done ## docs/robustness.md made anew, on arms that are downloaded
@@ -101,7 +101,7 @@ clean: ## remove what the other targets made, the environments included
 build: $(NATIVE) ## the release extension, installed into .venv (quick when nothing changed)
 
 # The wheel holds what cargo compiled for `build`: making it takes seconds.
-oracle: build wheel $(ORACLE)/.done ## compare with Pinocchio (URDFs of real robots) and EAIK (branches); heavy downloads, own environment
+oracle: build wheel $(ORACLE)/.done ## compare with Pinocchio (URDFs of real robots), EAIK (branches), coal (distances); heavy downloads, own environment
 	$(ORACLE)/bin/python -m pip uninstall --quiet --yes agrik_fast
 	$(ORACLE)/bin/python -m pip install --quiet $(WHEELS)/*.whl
 	$(ORACLE)/bin/python -m pytest tests/oracle
@@ -118,7 +118,7 @@ rust-test: $(VENV)/.pip
 	if cargo nextest --version >/dev/null 2>&1; \
 	then cargo nextest run $(LOCKED) --workspace --exclude agrik-py; \
 	else cargo test $(LOCKED) --workspace --exclude agrik-py --tests; fi
-	cargo test $(LOCKED) --doc -p agrik-compute -p agrik -p agrik-solids
+	cargo test $(LOCKED) --doc -p agrik-compute -p agrik -p agrik-solids -p agrik-motion
 
 python-lint: build $(VENV)/.dev
 	$(PY) -m ruff check .

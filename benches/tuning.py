@@ -94,7 +94,7 @@ def main() -> None:
     print(f"{about['cpu']}, load {about['load_before']:.1f}; SIMD {ik.simd_level()}")
     print(f"agrik_fast {ik.__version__}, NumPy {np.__version__}, {options.threads} threads")
 
-    gains = StateSpace.load("hydrolek_k15_cma")
+    gains = StateSpace.load("hydrolek_k15_cma", as_tuned=True)
     points = goals.joint_uniform(arm, 3000, 100)
     judge = Tuner(arm._chain, gains, points, "full", "pso", 40, 0.3, 0, "zero", STEPS, 1e-3, 1)
     ours: list[float] = []

@@ -42,7 +42,9 @@ html_sidebars = {
     "population": [],
     "paths": [],
     "closed-forms": [],
+    "collision": [],
     "hardware": [],
+    "cluster": [],
 }
 
 # The API pages are read from the sources and, for the compiled module, from its stub,

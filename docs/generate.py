@@ -9,6 +9,8 @@ import elements
 import hardware_pictures
 import matplotlib as mpl
 import numpy as np
+import ring_picture
+import solids_picture
 
 import agrik_fast as ik
 from agrik_fast.papers import hydrolek, redundant7, strawberry, tomato
@@ -151,7 +153,7 @@ def draw_tuning(file: Path) -> None:
     sets = ("trial_published", "full90_pso", "diag24_pso", "k15_pso", "full90_cma", "k15_cma")
     figure, axis = plt.subplots(figsize=(7, 3), layout="constrained")
     for name in sets:
-        solver = ik.solvers.StateSpace.load(f"hydrolek_{name}")
+        solver = ik.solvers.StateSpace.load(f"hydrolek_{name}", as_tuned=True)
         result = arm.ik(goals, solver=solver, position_tolerance=1e-3)
         steps = np.sort(result.iterations[result.success])
         axis.step(steps, np.arange(1, len(steps) + 1), where="post", label=name)
@@ -219,6 +221,7 @@ def main(folder: Path) -> None:
     draw_reach(folder / "reach.svg")
     draw_arm_angles(folder / "arm_angles.svg")
     draw_branches(folder / "branches.svg")
+    ring_picture.draw(folder / "ring.svg", save)
     strawberry.reproduce(folder / "papers" / "strawberry")
     tomato.reproduce(folder / "papers" / "tomato")
     hydrolek.reproduce(folder / "papers" / "hydrolek")
@@ -226,6 +229,9 @@ def main(folder: Path) -> None:
     text = elements.table(Path(__file__).parent / "papers" / "elements.csv")
     (folder / "papers" / "elements.md").write_text(text, encoding="utf-8")
     architecture_picture.main(folder / "architecture")
+    solids_picture.draw_bodies(folder / "bodies.png", save)
+    solids_picture.draw_greenhouse(folder / "scene.png", save)
+    solids_picture.draw_clearance(folder / "clearance.svg", save)
     hardware_pictures.main(folder / "hardware")
     methods = folder / "methods"
     methods.mkdir(exist_ok=True)

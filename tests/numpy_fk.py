@@ -109,10 +109,15 @@ def fk(robot: Mapping[str, Any] | str, q: ArrayLike) -> Matrix:
     ndarray, shape (..., 4, 4)
         Tool in the frame the base transform leads to; lengths in m.
     """
+    return frames(robot, q)[-1]
+
+
+def frames(robot: Mapping[str, Any] | str, q: ArrayLike) -> list[Matrix]:
+    """Poses of the base, of the frame of each row and of the tool, each (..., 4, 4)."""
     robot = load(robot) if isinstance(robot, str) else robot
     q = np.asarray(q, dtype=float)
     column = {name: index for index, name in enumerate(variable_names(robot))}
-    pose = np.broadcast_to(transform(robot.get("base")), (*q.shape[:-1], 4, 4))
+    found = [np.broadcast_to(transform(robot.get("base")), (*q.shape[:-1], 4, 4))]
     for row in _rows(robot):
         if row["type"] == "fixed":
             value = np.zeros(q.shape[:-1])
@@ -122,8 +127,8 @@ def fk(robot: Mapping[str, Any] | str, q: ArrayLike) -> Matrix:
             value = rule.get("multiplier", 1.0) * source + si(rule, "offset")
         else:
             value = q[..., column[row["name"]]]
-        pose = pose @ (_dh(robot, row, value) if "dh" in robot else _joint(row, value))
-    return pose @ transform(robot.get("tool"))
+        found.append(found[-1] @ (_dh(robot, row, value) if "dh" in robot else _joint(row, value)))
+    return [*found, found[-1] @ transform(robot.get("tool"))]
 
 
 def _dh(robot: Mapping[str, Any], row: Mapping[str, Any], value: Matrix) -> Matrix:

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import layout
+from urdf_text import joint, urdf
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
@@ -15,7 +16,16 @@ PAGES = [page for page in sorted(DOCS.rglob("*.md")) if BLOCK.search(page.read_t
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_python_examples_run(page: Path) -> None:
+def test_python_examples_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Files are written beside others that a reader has.
+    monkeypatch.chdir(tmp_path)
+    joints = [
+        joint(f"j{i}", f"l{i}" if i else "base_link", f"l{i + 1}", xyz="0 0 0.3", axis="0 1 0")
+        for i in range(6)
+    ]
+    links = ["base_link", *(f"l{i + 1}" for i in range(6)), "tool0", "camera"]
+    ends = [joint(f"to_{end}", "l6", end, kind="fixed") for end in ("tool0", "camera")]
+    Path("arm.urdf").write_text(urdf(links, [*joints, *ends]), encoding="utf-8")
     # The blocks of a page build on one another, as they do for its reader.
     names: dict[str, object] = {}
     for block in BLOCK.findall(page.read_text("utf-8")):

@@ -165,3 +165,36 @@ def test_too_many_dimensions_are_refused(dimensions):
             answer = call()
             answer = getattr(answer, "q", answer)
             assert answer.ndim >= dimensions - 1
+
+
+# -- angles of many turns -------------------------------------------------------------------
+
+ROWS = [[0.3, 1.0, 0.2, 0.7], [0.2, 0.3, 0.1, 0.9], [0.25, -0.4, 0.1, -0.4]]
+
+
+def turned_fk(q):
+    """Forward kinematics with each angle brought to a turn before its offset is added."""
+    pose = np.eye(4)
+    for (a, alpha, d, theta), x in zip(ROWS, q, strict=True):
+        angle = np.arctan2(np.sin(x), np.cos(x)) + theta
+        c, s, ca, sa = np.cos(angle), np.sin(angle), np.cos(alpha), np.sin(alpha)
+        pose = pose @ [
+            [c, -s * ca, s * sa, a * c],
+            [s, c * ca, -c * sa, a * s],
+            [0, sa, ca, d],
+            [0, 0, 0, 1],
+        ]
+    return pose
+
+
+@pytest.mark.parametrize("size", [90.0, 1e3, 1.1e4, 1e6, 1e10, 1e15, 1e16, 1e22, 1e49])
+def test_angles_of_many_turns_lose_no_digits(size):
+    arm = ik.Robot.from_dh(ROWS, limits=[[-1e16, 1e16]] * 3)
+    q = size * np.random.default_rng(1).uniform(-1, 1, (40, 3))
+    q[::3, 1] = 0.3
+    poses = arm.fk(q)
+    np.testing.assert_allclose(poses, [turned_fk(row) for row in q], atol=2e-13, rtol=0)
+    assert np.array_equal(arm.fk(q[7]), poses[7])
+    small = np.arctan2(np.sin(q), np.cos(q))
+    np.testing.assert_allclose(arm.jacobian(q), arm.jacobian(small), atol=2e-13, rtol=0)
+    np.testing.assert_allclose(arm.fk_links(q)[:, -1], poses, atol=1e-12, rtol=0)

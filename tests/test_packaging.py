@@ -100,11 +100,12 @@ def test_wheel_holds_the_fast_path_for_every_processor(wheel: Path) -> None:
 def test_readme_example_solves_its_targets(
     repo_root: Path, installed: Path, tmp_path: Path
 ) -> None:
-    (example,) = re.findall(
+    examples = re.findall(
         r"^```python\n(.*?)^```", (repo_root / "README.md").read_text(), re.DOTALL | re.MULTILINE
     )
+    assert len(examples) == 2
     program = tmp_path / "example.py"
-    program.write_text(example + "\nassert res.success.all(), res.status\n")
+    program.write_text("".join(examples) + "\nassert res.success.all(), res.status\n")
     # Warnings are errors here too, and -I keeps the checkout out of the import path.
     run(installed / "python", "-I", "-W", "error", program, cwd=tmp_path)
 

@@ -21,24 +21,53 @@ import pytest
 import agrik_fast as ik
 from agrik_fast import _native
 from agrik_fast.arms import PointMass, StrawberryArm, TomatoArm
+from agrik_fast.collision import (
+    Body,
+    Box,
+    Capsule,
+    Cloud,
+    Convex,
+    Cover,
+    HalfSpace,
+    Scene,
+    SceneObject,
+    Sphere,
+    Target,
+)
+from agrik_fast.drivers import (
+    Link,
+    SerialTransport,
+    Simulator,
+    StrawberryRig,
+    TomatoRig,
+    Transport,
+)
+from agrik_fast.drivers._messages import Type
 from agrik_fast.errors import AgrikError
 from agrik_fast.tuning import Tuning
 
 # Files and the jobs over them have tests of their own, which damage them; papers write files.
-ELSEWHERE = ("agrik_fast.cli", "agrik_fast.io", "agrik_fast.jobs", "agrik_fast.papers")
+ELSEWHERE = (
+    "agrik_fast.cli",
+    "agrik_fast.cluster",
+    "agrik_fast.io",
+    "agrik_fast.jobs",
+    "agrik_fast.papers",
+)
 # Exceptions and codes hold what they are given; tables of files are checked by their readers,
 # which turn the model's error into one of ours.
 RECORDS = (BaseException, tuple, int, pydantic.BaseModel)
 # Records that the library makes and nobody else.
 ANSWERS = {
-    "Branches", "Command", "Commands", "DhRow", "IkResult", "PacedResult", "Path", "Report",
+    "Arrival", "Branches", "Command", "Commands", "DhRow", "Distances", "ExcludedPair", "IkResult",
+    "LinkStatistics", "PacedResult", "Path", "Report", "RigStatus", "Run", "SelfPairs",
     "Straightened", "StrawberryResult", "TomatoBranches", "TomatoResult", "Torques",
 }  # fmt: skip
 # Objects and files, for which nothing but their own kind makes sense: what is none at all is the
 # type checker's business, as it is for `Robot(definition)`, which users do not call.
 OBJECTS = {
-    "checkpoint", "chunks", "content", "definition", "gain", "kind", "path", "report", "resume",
-    "robot", "source", "store", "tuning",
+    "checkpoint", "chunks", "content", "definition", "gain", "kind", "log", "path", "report",
+    "resume", "robot", "source", "store", "tuning",
 }  # fmt: skip
 # Texts and paths: what is neither is a TypeError in Python's own words.
 TEXTS = {"base_link", "name", "name_or_path", "path_or_text", "tip_link"}
@@ -47,6 +76,10 @@ COUNTS = {"count", "draws", "n"}
 
 ARM = ik.Robot.load("redundant7")
 POSES = ARM.fk(ARM.random_q(2, seed=1))
+SCENE = Scene(
+    [SceneObject.of("a name", Sphere((0.4, 0.4, 0.4), 0.1))],
+    targets={"a name": Target((0.4, 0.4, 0.4))},
+)
 
 
 @functools.cache
@@ -57,6 +90,22 @@ def receivers() -> dict[type, Any]:
         _native.TargetSolver: ARM.solver(),
         StrawberryArm: StrawberryArm(),
         TomatoArm: TomatoArm(),
+        Scene: SCENE,
+        SceneObject: SCENE.objects[0],
+        Sphere: Sphere((0, 0, 0), 1),
+        Capsule: Capsule((0, 0, 0), (0, 0, 1), 1),
+        Box: Box((0, 0, 0), (1, 1, 1)),
+        Cover: Cover((0, 0, 0), (1, 1, 1)),
+        Convex: Convex(((0, 0, 0),)),
+        HalfSpace: HalfSpace((0, 0, 1), 0),
+        # Not connected: rigs on simulators have tests of their own.
+        StrawberryRig: StrawberryRig("loop://"),
+        TomatoRig: TomatoRig("loop://"),
+        Link: Link("loop://", timeout=0.001, tries=1),
+        # Walked by their constructors alone, as they are lines that something else uses.
+        SerialTransport: None,
+        Simulator: None,
+        Transport: None,
     }
 
 
@@ -64,6 +113,30 @@ def receivers() -> dict[type, Any]:
 ARGUMENTS: dict[str, Any] = {
     "a": np.zeros(3),
     "angles": np.zeros(3),
+    "arm": ARM,
+    "at_stem": np.ones(3),
+    "bodies": [Body("a body", 1, Sphere((0, 0, 0), 0.01))],
+    "centre": np.zeros(3),
+    "cloud": Cloud(np.zeros((3, 3)), 0.1, [1, 1, 2]),
+    "document": {"unit": "m"},
+    "foot": np.zeros(3),
+    "fruit_top": np.zeros(3),
+    "half": np.ones(3),
+    "length": 0.3,
+    "normal": np.ones(3),
+    "objects": [],
+    "offset": 0.1,
+    "pitch": np.ones(3),
+    "plant": SCENE.objects,
+    "point": np.zeros(3),
+    "points": np.zeros((3, 3)),
+    "radii": 0.1,
+    "radius": 0.1,
+    "scene": SCENE,
+    "shape": Sphere((0, 0, 0), 0.01),
+    "top": np.ones(3),
+    "unit": "m",
+    "vertices": np.eye(3),
     "axis_angle": np.zeros(3),
     "b": np.zeros(3),
     "beta": 1.0,
@@ -72,6 +145,8 @@ ARGUMENTS: dict[str, Any] = {
     "count": 3,
     "current": np.zeros(3),
     "frame": "base",
+    "h_extra": 0.03,
+    "here": StrawberryArm().reset_pose,
     "gain": ik.solvers.StaticGain(K=np.ones((7, 3))),
     "kind": ik.solvers.StaticGain,
     "max_joint_step": 0.1,
@@ -85,6 +160,8 @@ ARGUMENTS: dict[str, Any] = {
     "torque": 1.0,
     "name_or_path": "ur5",
     "path_or_text": '<robot name="r"/>',
+    "open": True,
+    "port": "loop://",
     "pose": POSES[0],
     "poses": POSES,
     "position": np.zeros(3),
@@ -101,15 +178,25 @@ ARGUMENTS: dict[str, Any] = {
     "tool": np.eye(4),
     "base": np.eye(4),
     "tuning": Tuning(goals=10, evaluations=4, runs=1, refinement=0),
+    "url": "loop://",
     "weights": (1, 1, 1, 0, 0, 0),
+    "values": {},
     "xyz": np.zeros(3),
 }
 # Those of one callable alone.
 EXACTLY: dict[str, Any] = {
     "StateSpace.A": np.zeros((3, 3)),
+    "Link.command.kind": Type.STOP,
+    "Link.request.kind": Type.PING,
+    "StrawberryRig.check_ways.q": StrawberryArm().reset_pose,
+    "StrawberryRig.way_back.q": StrawberryArm().reset_pose,
     "Tuning.solver": "state-space",
     "usual.solver": "state-space",
     "tune.robot": ik.Robot.load("hydrolek"),
+    "Body.frame": 1,
+    "aiming_at.target": "a name",
+    "row.pitch": np.ones(3),
+    "stem.foot": np.zeros(3),
 }
 
 
@@ -162,7 +249,7 @@ def methods(kind: type) -> Iterator[tuple[str, Callable[..., Any]]]:
             continue
         if isinstance(raw, (classmethod, staticmethod)):
             yield f"{kind.__qualname__}.{name}", getattr(kind, name)
-        elif kind in receivers() and callable(raw):
+        elif receivers().get(kind) is not None and callable(raw):
             yield f"{kind.__qualname__}.{name}", getattr(receivers()[kind], name)
 
 
@@ -207,9 +294,9 @@ def taken(call: Callable[..., Any]) -> dict[str, inspect.Parameter]:
 
 
 def example(name: str, argument: str) -> Any:
-    key = f"{name.rpartition('.')[2]}.{argument}"
-    if key in EXACTLY:
-        return EXACTLY[key]
+    for key in (f"{name}.{argument}", f"{name.rpartition('.')[2]}.{argument}"):
+        if key in EXACTLY:
+            return EXACTLY[key]
     assert argument in ARGUMENTS or argument in OBJECTS, (
         f"{name}({argument}=...): an example is wanted in `ARGUMENTS`"
     )

@@ -26,6 +26,9 @@ ELBOW = ik.Robot.from_dh([[1, 0, 0, 0], [1, 0, 0, 0]], limits=[[-3, 3], [1, 2]])
 HARD = np.array([1.9, 0.0, 0.0])
 EASY = np.array([1.2, 0.3, 0.0])
 
+TRIES = 3
+"""A second is promised; a machine that is busy elsewhere may miss it once or twice."""
+
 
 def hard_solver(restarts: int):
     return ELBOW.solver("position", solver=solvers.LevenbergMarquardt(max_restarts=restarts))
@@ -243,11 +246,14 @@ def long_calls() -> dict[str, Callable[[], Callable[[], object]]]:
 @pytest.mark.parametrize("name", long_calls())
 def test_a_signal_ends_every_long_call(name):
     call = long_calls()[name]()
-    begun = time.monotonic()
-    with alarm(interrupt, 0.5), pytest.raises(KeyboardInterrupt):
-        call()
-    # A second is promised; a busy machine may take longer to notice.
-    assert time.monotonic() - begun < 0.5 + 5
+
+    def seconds_to_end() -> float:
+        begun = time.monotonic()
+        with alarm(interrupt, 0.5), pytest.raises(KeyboardInterrupt):
+            call()
+        return time.monotonic() - begun - 0.5
+
+    assert any(seconds_to_end() < 1.0 for _ in range(TRIES))
 
 
 @pytest.mark.parametrize(
@@ -258,6 +264,11 @@ def test_a_signal_ends_every_long_call(name):
     ],
 )
 def test_a_signal_ends_a_command(arguments, tmp_path):
+    assert any(seconds_to_end_a_command(arguments, tmp_path) < 1.0 for _ in range(TRIES))
+
+
+def seconds_to_end_a_command(arguments, tmp_path) -> float:
+    """Seconds from the signal to the end of the process."""
     command = [sys.executable, "-m", "agrik_fast.cli", *arguments]
     with subprocess.Popen(
         command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
@@ -268,12 +279,12 @@ def test_a_signal_ends_a_command(arguments, tmp_path):
             sent = time.monotonic()
             process.send_signal(signal.SIGINT)
             _, errors = process.communicate(timeout=60)
-            # A second is promised; a busy machine may take longer to notice.
-            assert time.monotonic() - sent < 5
+            seconds = time.monotonic() - sent
         finally:
             process.kill()
     assert process.returncode not in (0, None)
     assert "Traceback" not in errors
+    return seconds
 
 
 # ---- panics --------------------------------------------------------------------------------

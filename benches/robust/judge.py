@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from .chain import EPS, Arm, Array, axis_angles, rotation_vectors, unit
 
 FIELDS = ("q", "status", "position_error", "orientation_error", "iterations", "restarts")
 TURN = 2 * np.pi
+TOLERANCES = ("position_tolerance", "orientation_tolerance")
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ def errors(task: Any, task_name: str, reached: Array, wanted: Array) -> tuple[Ar
     off = reached[:, :3, 3] - wanted[:, :3, 3]
     if task_name == "position":
         return np.linalg.norm(off, axis=1), np.zeros(len(off))
-    if task_name == "pose":
+    if task_name in ("pose", "position-first"):
         turn = np.swapaxes(reached[:, :3, :3], 1, 2) @ wanted[:, :3, :3]
         return np.linalg.norm(off, axis=1), np.linalg.norm(rotation_vectors(turn), axis=1)
     if task_name == "axis":
@@ -54,6 +55,52 @@ def errors(task: Any, task_name: str, reached: Array, wanted: Array) -> tuple[Ar
     raise ValueError(f"no task is called {task_name!r}")
 
 
+def axis_errors(request: Any, reached: Array) -> Array:
+    """Errors along and about the axes of the request's frame, (m, 6)."""
+    wanted = request.poses
+    off = wanted[:, :3, 3] - reached[:, :3, 3]
+    turn = rotation_vectors(wanted[:, :3, :3] @ np.swapaxes(reached[:, :3, :3], 1, 2))
+    if request.task_name == "axis":
+        own = np.asarray(request.task.tool_axis, float)
+        is_at = reached[:, :3, :3] @ own
+        if request.task.direction is None:
+            should = wanted[:, :3, :3] @ own
+        else:
+            should = np.broadcast_to(unit(request.task.direction), is_at.shape)
+        across = np.cross(is_at, should)
+        sine = np.linalg.norm(across, axis=1, keepdims=True)
+        turn = across * axis_angles(is_at, should)[:, None] / np.maximum(sine, 1e-300)
+    if request.frame == "tool":
+        back = np.swapaxes(reached[:, :3, :3], 1, 2)
+        off, turn = ((back @ each[:, :, None])[:, :, 0] for each in (off, turn))
+    return np.concatenate([off, turn], axis=1)
+
+
+def measured(request: Any, reached: Array) -> tuple[Array, Array, Array, Array]:
+    """Errors of position and orientation over the axes that count, and single ones, with bounds.
+
+    Single errors are those of axes that have a bound, (m, 6), and the bounds, (6,), infinite
+    where there is none.
+    """
+    position, orientation = errors(request.task, request.task_name, reached, request.poses)
+    bounds = request.bounds
+    if bounds is None:
+        return position, orientation, np.zeros((len(reached), 6)), np.full(6, np.inf)
+    single = axis_errors(request, reached)
+    counted = np.asarray(getattr(request.task, "weights", np.ones(6))) > 0
+    bounds = np.where(counted, bounds, np.inf)
+    if request.task_name == "position":
+        bounds[3:] = np.inf
+    parts = []
+    for part, whole, name in ((slice(0, 3), position, 0), (slice(3, 6), orientation, 1)):
+        given = request.options.get(TOLERANCES[name], 1e-6)
+        taken = np.isfinite(bounds[part])
+        parts.append(np.linalg.norm(single[:, part][:, taken], axis=1) if np.ndim(given) else whole)
+    if request.task_name == "position":
+        parts[1] = orientation
+    return parts[0], parts[1], np.where(np.isfinite(bounds), np.abs(single), 0.0), bounds
+
+
 def within_limits(arm: Arm, q: Array) -> np.ndarray:
     """Rows whose values keep the limits; those that followers allow, up to rounding."""
     slack = np.where(arm.leads, 4 * EPS * (1 + np.abs(q)), 0.0)
@@ -65,12 +112,14 @@ def solves(request: Any, q: Array) -> np.ndarray:
     arm = request.arm
     finite = np.isfinite(q).all(axis=1) & _finite(request)
     q = np.where(finite[:, None], q, 0.0)
-    position, orientation = errors(request.task, request.task_name, arm.fk(q), request.poses)
+    position, orientation, single, bounds = measured(request, arm.fk(q))
     slip, turn_slip = arm.rounding(q)
     slip = slip + 8 * EPS * np.linalg.norm(request.poses[:, :3, 3], axis=1)
+    slips = np.stack([slip] * 3 + [turn_slip] * 3, axis=1)
     with np.errstate(invalid="ignore"):
         near = position <= request.position_tolerance * (1 - 1e-9) - slip
-        near &= orientation <= request.orientation_tolerance * (1 - 1e-9) - turn_slip
+        near &= orientation <= _wanted_turn(request) * (1 - 1e-9) - turn_slip
+        near &= (single <= bounds * (1 - 1e-9) - slips).all(axis=1)
     return finite & near & within_limits(arm, q)
 
 
@@ -111,22 +160,21 @@ def answers(request: Any, result: Any, most: int | None = 3) -> list[Fault]:
     )
 
     seen = np.flatnonzero(usable)
-    position, orientation = errors(
-        request.task if not isinstance(request.task, str) else None,
-        request.task_name,
-        arm.fk(q[seen]),
-        request.poses[seen],
-    )
+    looked_at = replace(request, poses=request.poses[seen])
+    position, orientation, single, bounds = measured(looked_at, arm.fk(q[seen]))
     slip, turn_slip = arm.rounding(q[seen])
     slip = slip + 8 * EPS * np.linalg.norm(request.poses[seen, :3, 3], axis=1)
-    near, near_turn = request.position_tolerance, request.orientation_tolerance
-    holds = (position <= near) & (orientation <= near_turn)
+    slips = np.stack([slip] * 3 + [turn_slip] * 3, axis=1)
+    near, near_turn = request.position_tolerance, _wanted_turn(request)
+    holds = (position <= near) & (orientation <= near_turn) & (single <= bounds).all(axis=1)
     clear = (position <= near * (1 - 1e-9) - slip) & (
         (orientation <= near_turn * (1 - 1e-9) - turn_slip) | (orientation == 0)
     )
+    clear &= ((single <= bounds * (1 - 1e-9) - slips) | (single == 0)).all(axis=1)
     breaks = (position > near * (1 + 1e-9) + slip) | (
         orientation > near_turn * (1 + 1e-9) + turn_slip
     )
+    breaks |= (single > bounds * (1 + 1e-9) + slips).any(axis=1)
 
     def told(i: int) -> str:
         at = int(np.searchsorted(seen, i))
@@ -148,6 +196,7 @@ def answers(request: Any, result: Any, most: int | None = 3) -> list[Fault]:
     provable = request.reachable & usable
     tight = np.zeros(len(q), bool)
     tight[seen] = (near > 4 * slip) & (near_turn > 4 * turn_slip)
+    tight[seen] &= (bounds > 4 * slips).all(axis=1)
     false_proof = provable & tight & (status == Status.OUT_OF_REACH)
     report(
         "false proof",
@@ -158,15 +207,20 @@ def answers(request: Any, result: Any, most: int | None = 3) -> list[Fault]:
     # What is told may be off by rounding, never by what matters beside the tolerances.
     with np.errstate(invalid="ignore"):
         off = np.abs(result.position_error[seen] - position)
-        off = off > 1e-6 * position + 1e-3 * near + 16 * slip
+        off = off > 1e-6 * position + 1e-3 * min(near, 1e-3 * arm.scale) + 16 * slip
         skewed = np.abs(result.orientation_error[seen] - orientation)
-        skewed = skewed > 1e-6 * orientation + 1e-3 * near_turn + 16 * turn_slip
+        skewed = skewed > 1e-6 * orientation + 1e-3 * min(near_turn, 1e-3) + 16 * turn_slip
     # Of bad input, and of distances that overflow, infinity is told.
     told_finite = (status[seen] != Status.BAD_INPUT) & (position < 1e150)
     report("error told wrong", rows((off | skewed) & told_finite & (orientation < 3.1)), told)
     far, told_far = _far_turns(request, q, success, starts)
     report("turn further than need be", far, told_far)
     return faults
+
+
+def _wanted_turn(request: Any) -> float:
+    """Return the orientation's tolerance, infinite where it is told and not asked for."""
+    return np.inf if request.task_name == "position-first" else request.orientation_tolerance
 
 
 def _far_turns(
@@ -283,6 +337,7 @@ def _finite(request: Any, all_parts: bool = True) -> np.ndarray:
     turns_matter = request.task_name in ("pose", "masked") or (
         request.task_name == "axis" and request.task.direction is None
     )
+    turns_matter |= request.task_name == "position-first"
     if not all_parts and targets.ndim == 3 and not turns_matter:
         targets = targets[:, :3, 3]
     return np.isfinite(targets).reshape(request.rows, -1).all(axis=1)

@@ -25,6 +25,8 @@ ROWS |= dict.fromkeys(("de", "ga"), 10)
 MOST_DISTURBED = 200
 """Most rows of a call some of whose targets cannot be reached: those take long."""
 
+TOLERANCES = ("position_tolerance", "orientation_tolerance")
+
 SHARES = {"lm": 8.0, "auto": 7.0, "closed_form": 4.0, BRANCHES: 2.0}
 """How often a solver is asked, of those that are asked more than others."""
 
@@ -58,11 +60,25 @@ class Request:
 
     @property
     def position_tolerance(self) -> float:
-        return float(self.options.get("position_tolerance", 1e-6))
+        """Of the whole error; infinite where an axis is free."""
+        return float(np.linalg.norm(self.options.get("position_tolerance", 1e-6)))
 
     @property
     def orientation_tolerance(self) -> float:
-        return float(self.options.get("orientation_tolerance", 1e-6))
+        return float(np.linalg.norm(self.options.get("orientation_tolerance", 1e-6)))
+
+    @property
+    def bounds(self) -> Array | None:
+        """Bounds of the errors along and about single axes, (6,), if there are any."""
+        given = [self.options.get(name, 1e-6) for name in TOLERANCES]
+        if not any(np.ndim(each) for each in given):
+            return None
+        return np.concatenate([each if np.ndim(each) else np.full(3, np.inf) for each in given])
+
+    @property
+    def frame(self) -> str:
+        """Whose axes these are."""
+        return str(self.options.get("tolerance_frame", getattr(self.task, "frame", "base")))
 
     def starts(self) -> Array | None:
         """Start values, one row a target."""
@@ -134,8 +150,32 @@ def draw(arm: Arm, family: str | None, rng: np.random.Generator) -> Request:
         # A direction for the whole batch: only what happens to point there is known to be reached.
         turned = poses[:, :3, :3] @ np.array(task.tool_axis)
         reachable &= np.linalg.norm(turned - np.array(task.direction), axis=1) < 1e-12
+    if rng.random() < 0.12:
+        _bound_axes(request, rng)
     request.refusal = _refusal(request, family)
     return request
+
+
+def _bound_axes(request: Request, rng: np.random.Generator) -> None:
+    """Give tolerances axis by axis, or the task that puts the position first."""
+    scale = request.arm.scale
+    if request.task_name == "pose" and request.solver_name != BRANCHES and rng.random() < 0.3:
+        request.task, request.task_name = tasks.PositionFirst(), "position-first"
+        return
+    place = rng.choice([1e-6 * scale, 1e-3, 0.05 * scale, np.inf], 3)
+    turn = rng.choice([1e-6, 1e-3, 0.3, np.inf], 3)
+    counted = np.asarray(getattr(request.task, "weights", np.ones(6))) > 0
+    if request.task_name == "position":
+        counted[3:] = False
+    if not np.isfinite(np.concatenate([place, turn])[counted]).any():
+        return
+    kind = rng.integers(3)
+    if kind != 1 and np.isfinite(place[counted[:3]]).any():
+        request.options["position_tolerance"] = tuple(place.tolist())
+    if kind != 0:
+        request.options["orientation_tolerance"] = tuple(turn.tolist())
+    if request.task_name != "masked" and rng.random() < 0.7:
+        request.options["tolerance_frame"] = str(rng.choice(["base", "tool"]))
 
 
 def _count(most: int, rng: np.random.Generator) -> int:
@@ -317,19 +357,23 @@ def _refusal(request: Request, family: str | None) -> str:
         return "the arm has no closed form"
     if name == "closed_form" and request.task_name != "pose":
         return "closed forms are for full poses"
-    if name == "ccd" and request.task_name != "position":
+    if name == "ccd" and (request.task_name != "position" or request.bounds is not None):
         return "ccd is for positions"
+    if isinstance(solver, solvers.StaticGain) and request.bounds is not None:
+        return "gains have as many columns as the task has rows"
     if isinstance(solver, solvers.StaticGain) and solver.K is not None:
         return "" if request.task_name == "position" else "three columns are for positions"
     if name in ("state-space", "static-gain", "broyden", "ik-pid") and (
-        request.task_name == "axis" or getattr(task, "frame", "base") == "tool"
+        request.task_name == "axis"
+        or getattr(task, "frame", "base") == "tool"
+        or (request.bounds is not None and request.frame == "tool")
     ):
         return "feedback laws are for positions, poses and base-frame masks"
     searches = solvers.DifferentialEvolution | solvers.GeneticAlgorithm
     if (
         isinstance(solver, searches)
         and solver.orientation == "euler-zyz"
-        and (request.task_name in ("axis", "masked"))
+        and (request.task_name in ("axis", "masked") or request.bounds is not None)
     ):
         return "Euler angles are for full orientations"
     if isinstance(solver, solvers.ClosedForm) and solver.arm_angle is not None:

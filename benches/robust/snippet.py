@@ -51,7 +51,7 @@ def _written(value: Any) -> str:
         return str(value)
     if hasattr(value, "tolist"):
         return _numbers(value)
-    if value is None or isinstance(value, str | int | float):
+    if value is None or isinstance(value, str | int | float | tuple):
         return repr(value)
     return f"ik.{type(value).__module__.split('.')[1]}.{value!r}"
 

@@ -7,10 +7,18 @@ with it the command line's help) costs next to nothing.
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from . import errors, euler, rotations, solvers, tasks
+    from . import collision, errors, euler, harvest, rotations, solvers, tasks
     from ._native import __version__, get_num_threads, set_num_threads, simd_level
-    from .errors import AgrikError, ArgumentError, RobotFileError, UnknownNameError, UrdfError
-    from .result import Branches, IkResult, Singularity, Status
+    from .collision import Scene
+    from .errors import (
+        AgrikError,
+        ArgumentError,
+        RobotFileError,
+        SceneFileError,
+        UnknownNameError,
+        UrdfError,
+    )
+    from .result import Branches, Family, IkResult, Singularity, Status, Warnings
     from .robot import Path, Robot
 else:
     from ._lazy import __dir__ as __dir__
@@ -20,18 +28,24 @@ __all__ = [
     "AgrikError",
     "ArgumentError",
     "Branches",
+    "Family",
     "IkResult",
     "Path",
     "Robot",
     "RobotFileError",
+    "Scene",
+    "SceneFileError",
     "Singularity",
     "Status",
     "UnknownNameError",
     "UrdfError",
+    "Warnings",
     "__version__",
+    "collision",
     "errors",
     "euler",
     "get_num_threads",
+    "harvest",
     "rotations",
     "set_num_threads",
     "simd_level",

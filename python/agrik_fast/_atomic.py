@@ -15,6 +15,11 @@ from ._files import Refusal, os_reason
 _STEM = 40
 
 
+def temporary_prefix(name: str, process: int | None) -> str:
+    """Return what the names of temporary files begin with: of a file, by a process or any."""
+    return f".{name[:_STEM]}." + ("" if process is None else f"{process}-")
+
+
 class AtomicFile:
     """A new file beside its destination, moved there by `commit`.
 
@@ -45,8 +50,8 @@ class AtomicFile:
         self._target = Path(os.path.realpath(path))
         try:
             mode = self._replaced_mode()
-            name = f"{self._target.name[:_STEM]}.{os.getpid()}-{secrets.token_hex(4)}"
-            self.temporary = self._target.with_name(f".{name}.partial")
+            begin = temporary_prefix(self._target.name, os.getpid())
+            self.temporary = self._target.with_name(f"{begin}{secrets.token_hex(4)}.partial")
             flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
             self.stream = os.fdopen(os.open(self.temporary, flags, 0o666), "w+b")
             if mode is not None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import operator
-from collections.abc import Collection
-from typing import TypeAlias
+import os
+from collections.abc import Collection, Iterable
+from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,6 +43,16 @@ def text(argument: str, value: object) -> str:
     return value
 
 
+def path(argument: str, value: object) -> Path:
+    """Return `value`, a text or a path, as a path."""
+    if not isinstance(value, str | os.PathLike):
+        raise ArgumentError(argument, shown(value), "a path")
+    name = os.fsdecode(value)
+    if "\0" in name or not name:
+        raise ArgumentError(argument, shown(value), "a path")
+    return Path(text(argument, name))
+
+
 def word(kind: str, value: object, known: Collection[str]) -> str:
     """Return `value` if it is one of a few words."""
     if not isinstance(value, str):
@@ -47,6 +60,14 @@ def word(kind: str, value: object, known: Collection[str]) -> str:
     if value not in known:
         raise UnknownNameError(kind, value, known)
     return value
+
+
+def items(argument: str, value: object, expected: str) -> tuple[Any, ...]:
+    """Return the items of anything that can be gone through, but for a text."""
+    if not isinstance(value, str | bytes) and isinstance(value, Iterable):
+        with contextlib.suppress(TypeError):  # an array without dimensions
+            return tuple(value)
+    raise ArgumentError(argument, shown(value), expected)
 
 
 def float_array(argument: str, value: ArrayLike) -> FloatArray:

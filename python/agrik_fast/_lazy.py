@@ -9,14 +9,18 @@ MODULE_OF = {
     "AgrikError": "errors",
     "ArgumentError": "errors",
     "Branches": "result",
+    "Family": "result",
     "IkResult": "result",
     "Path": "robot",
     "Robot": "robot",
     "RobotFileError": "errors",
+    "Scene": "collision",
+    "SceneFileError": "errors",
     "Singularity": "result",
     "Status": "result",
     "UnknownNameError": "errors",
     "UrdfError": "errors",
+    "Warnings": "result",
     "__version__": "_native",
     "get_num_threads": "_native",
     "set_num_threads": "_native",
@@ -24,7 +28,7 @@ MODULE_OF = {
 }
 """Module that defines each public name."""
 
-MODULES = ("errors", "euler", "rotations", "solvers", "tasks")
+MODULES = ("collision", "errors", "euler", "harvest", "rotations", "solvers", "tasks")
 """Modules that are public names themselves."""
 
 _PACKAGE = "agrik_fast"

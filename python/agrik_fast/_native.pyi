@@ -5,26 +5,39 @@ and raises the classes of `agrik_fast.errors`. Tasks and solvers are read by the
 fields, so that it knows none of their classes.
 """
 
-from typing import Any, TypedDict, final, type_check_only
+from collections.abc import Iterator, Mapping, Sequence
+from os import PathLike
+from typing import Any, NotRequired, TypedDict, final, type_check_only
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
+    "Bodies",
     "Branches",
     "Chain",
+    "Collider",
+    "CsvRows",
+    "Distances",
+    "HarvestProgramme",
+    "HarvestStation",
     "IkResult",
+    "Scene",
     "StrawberryArm",
     "TargetSolver",
     "TomatoArm",
     "Tuner",
     "__version__",
     "_panic",
+    "branches",
     "check_solver",
+    "csv_lines",
     "default_settings",
     "get_num_threads",
+    "harvest_words",
     "ik_paced",
     "ik_record",
+    "ik_result",
     "set_num_threads",
     "simd_level",
     "solver_names",
@@ -44,6 +57,7 @@ class JointSpec(TypedDict):
     lower: float
     upper: float
     mimic: tuple[str, float, float] | None
+    link: NotRequired[str | None]
 
 @final
 class Chain:
@@ -131,7 +145,9 @@ class Chain:
         """
 
     @staticmethod
-    def from_urdf(text: str, base_link: str | None = None, tip_link: str | None = None) -> Chain:
+    def from_urdf(
+        text: str, base_link: str | None = None, tip_link: str | None = None
+    ) -> tuple[Chain, tuple[str, str, list[str], list[str]]]:
         """Build a chain from the text of a URDF.
 
         Parameters
@@ -139,17 +155,20 @@ class Chain:
         text : str
             XML text.
         base_link, tip_link : str, optional
-            First and last link; default: the only root and the only leaf.
+            First and last link; default: the only root and the end of the only arm.
 
         Returns
         -------
-        Chain
-            The chain from base to tip.
+        chain : Chain
+            The chain.
+        ends : (str, str, list of str, list of str)
+            Its first and last link, other links that the last could be, and the joints that
+            their limits, both 0, lock.
 
         Raises
         ------
         UrdfError
-            No URDF, no single serial chain, or an unknown link.
+            The text does not describe one serial chain.
         """
 
     @property
@@ -167,6 +186,20 @@ class Chain:
     @property
     def joint_types(self) -> list[str]:
         """Types of the joint variables, in the order of q."""
+
+    def joints(self) -> list[dict[str, Any]]:
+        """Return the joints, fixed ones and followers too, as `from_joints` takes them."""
+
+    @property
+    def base(self) -> NDArray[np.float64]:
+        """Base transform, shape (4, 4), m."""
+
+    @property
+    def tool(self) -> NDArray[np.float64]:
+        """Tool transform, shape (4, 4), m."""
+
+    def same(self, other: Chain) -> bool:
+        """Return True for a chain of the same name, joints, links, limits, base and tool."""
 
     @property
     def lower(self) -> NDArray[np.float64]:
@@ -224,11 +257,19 @@ class Chain:
         seed: int | None = None,
         tool: ArrayLike | None = None,
         threads: int | None = None,
-        position_tolerance: float | None = None,
-        orientation_tolerance: float | None = None,
+        position_tolerance: ArrayLike | None = None,
+        orientation_tolerance: ArrayLike | None = None,
         first_index: int | None = None,
+        tolerance_frame: str | None = None,
+        collider: Collider | None = None,
+        clear: float | None = None,
+        prefer: str | None = None,
     ) -> IkResult:
-        """Solve a batch of targets; see `agrik_fast.Robot.ik`."""
+        """Solve a batch of targets; see `agrik_fast.Robot.ik`.
+
+        `collider` is that of the scene, of the same arm; `clear` (m, default 0) is what
+        answers keep from the scene; `prefer` is "first" (default), "near" or "clearance".
+        """
 
     def solver(
         self,
@@ -236,8 +277,10 @@ class Chain:
         solver: object = None,
         seed: int | None = None,
         tool: ArrayLike | None = None,
-        position_tolerance: float | None = None,
-        orientation_tolerance: float | None = None,
+        position_tolerance: ArrayLike | None = None,
+        orientation_tolerance: ArrayLike | None = None,
+        tolerance_frame: str | None = None,
+        recipe: tuple[Any, ...] | None = None,
     ) -> TargetSolver:
         """Make a solver for one target at a time; see `agrik_fast.Robot.solver`."""
 
@@ -250,8 +293,9 @@ class Chain:
         task: object = None,
         seed: int | None = None,
         tool: ArrayLike | None = None,
-        position_tolerance: float | None = None,
-        orientation_tolerance: float | None = None,
+        position_tolerance: ArrayLike | None = None,
+        orientation_tolerance: ArrayLike | None = None,
+        tolerance_frame: str | None = None,
     ) -> tuple[IkResult, NDArray[np.bool_]]:
         """Follow a sequence of targets; see `agrik_fast.Robot.follow`."""
 
@@ -273,8 +317,13 @@ class Chain:
         tool: ArrayLike | None = None,
         threads: int | None = None,
         arm_angle: ArrayLike | None = None,
-        position_tolerance: float | None = None,
-        orientation_tolerance: float | None = None,
+        position_tolerance: ArrayLike | None = None,
+        orientation_tolerance: ArrayLike | None = None,
+        tolerance_frame: str | None = None,
+        locked: Mapping[str, ArrayLike] | None = None,
+        sweep: int | None = None,
+        wrap: bool = False,
+        task: object = None,
     ) -> Branches:
         """All branches of a batch of poses; see `agrik_fast.Robot.ik_all`."""
 
@@ -285,6 +334,10 @@ class Chain:
         self, target: ArrayLike, tool: ArrayLike | None = None
     ) -> list[list[tuple[float, float]]]:
         """Arm angles that the limits allow for one pose: for each branch (lower, upper), rad."""
+
+    @property
+    def family(self) -> tuple[str, str, str, int, str | None]:
+        """Name, method, reason, most branches and locked joint, see `agrik_fast.Robot.family`."""
 
     @property
     def closed_form(self) -> tuple[str | None, str | None]:
@@ -313,6 +366,55 @@ class Branches:
     @property
     def status(self) -> NDArray[np.uint8]:
         """Codes of `agrik_fast.Status`."""
+
+    @property
+    def warnings(self) -> NDArray[np.uint8]:
+        """Sums of codes of `agrik_fast.Warnings`, one a target."""
+
+    @property
+    def free_joint(self) -> NDArray[np.int8]:
+        """Entry of `q` that a singularity leaves free, -1 for none; one a target."""
+
+    @property
+    def value(self) -> NDArray[np.float64]:
+        """Value of the swept joint or arm angle of each branch, rad or m; NaN without a sweep."""
+
+    @property
+    def branch(self) -> NDArray[np.uint32]:
+        """Number of each branch among those of its value."""
+
+    @property
+    def orientation_error(self) -> NDArray[np.float64]:
+        """Least angle left, rad, of targets that ask for more than the arm has joints for."""
+    def __len__(self) -> int:
+        """Return the number of rows along the first dimension of the targets."""
+
+    def __getitem__(self, key: object) -> Branches:
+        """Return the record of some of the targets, chosen as in a NumPy array of them."""
+
+    def __iter__(self) -> Iterator[Branches]:
+        """Go through the rows along the first dimension of the targets."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the arrays by their names."""
+
+    def to_arrow(self) -> Any:
+        """Return a `pyarrow.Table`: one row a target (of branches: a branch).
+
+        Raises
+        ------
+        MissingExtraError
+            pyarrow is not installed.
+        """
+
+    def to_pandas(self) -> Any:
+        """Return a `pandas.DataFrame` of the same columns.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
 
 @final
 class TargetSolver:
@@ -347,7 +449,7 @@ class TargetSolver:
 
     @property
     def q(self) -> NDArray[np.float64]:
-        """Joint values, shape (n,), rad or m: one array, overwritten by each call."""
+        """Joint values of the last answer, shape (n,), rad or m; a copy."""
 
     @property
     def success(self) -> bool:
@@ -404,6 +506,482 @@ class IkResult:
     @property
     def restarts(self) -> NDArray[np.uint32]:
         """Attempts after the first."""
+
+    @property
+    def clearance(self) -> NDArray[np.float64] | None:
+        """Distance of each answer from the nearest collision, m; None without a scene.
+
+        Worked out when it is asked for.
+        """
+
+    @property
+    def nearest_pair(self) -> NDArray[np.object_] | None:
+        """Names of a body and of the object or other body nearest to it, shape (..., 2).
+
+        Empty names where there is nothing. Worked out when it is asked for; None without a
+        scene.
+        """
+
+    @property
+    def warnings(self) -> NDArray[np.uint8]:
+        """Codes of `agrik_fast.Warnings`, shape (...); 0 for none."""
+
+    def __len__(self) -> int:
+        """Return the number of rows along the first dimension of the targets."""
+
+    def __getitem__(self, key: object) -> IkResult:
+        """Return the record of some of the targets, chosen as in a NumPy array of them."""
+
+    def __iter__(self) -> Iterator[IkResult]:
+        """Go through the rows along the first dimension of the targets."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the arrays by their names."""
+
+    def to_arrow(self) -> Any:
+        """Return a `pyarrow.Table`: one row a target (of branches: a branch).
+
+        Raises
+        ------
+        MissingExtraError
+            pyarrow is not installed.
+        """
+
+    def to_pandas(self) -> Any:
+        """Return a `pandas.DataFrame` of the same columns.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+
+    def __bool__(self) -> bool:
+        """Return whether a single target was reached.
+
+        Raises
+        ------
+        ValueError
+            Of several targets, as for NumPy's arrays.
+        """
+
+def ik_result(
+    q: NDArray[np.float64],
+    status: NDArray[np.uint8],
+    position_error: NDArray[np.float64],
+    orientation_error: NDArray[np.float64],
+    iterations: NDArray[np.uint32],
+    restarts: NDArray[np.uint32],
+    warnings: NDArray[np.uint8],
+    clearance: NDArray[np.float64] | None = None,
+    nearest_pair: NDArray[np.object_] | None = None,
+) -> IkResult:
+    """Return the record of arrays that belong together, such as those of another record."""
+
+def branches(
+    q: NDArray[np.float64],
+    valid: NDArray[np.bool_],
+    reached: NDArray[np.bool_],
+    singular: NDArray[np.uint8],
+    status: NDArray[np.uint8],
+    warnings: NDArray[np.uint8],
+    free_joint: NDArray[np.int8],
+    value: NDArray[np.float64],
+    branch: NDArray[np.uint32],
+    orientation_error: NDArray[np.float64],
+) -> Branches:
+    """Return the record of arrays that belong together, such as those of another record."""
+
+@final
+class Scene:
+    """Objects in the base frame of an arm, ready for questions; holds no arm."""
+
+    def __new__(
+        cls,
+        names: Sequence[str],
+        removable: Sequence[bool] | None = None,
+        *,
+        spheres: ArrayLike | None = None,
+        sphere_labels: ArrayLike | None = None,
+        capsules: ArrayLike | None = None,
+        capsule_labels: ArrayLike | None = None,
+        boxes: ArrayLike | None = None,
+        box_labels: ArrayLike | None = None,
+        halfspaces: ArrayLike | None = None,
+        halfspace_labels: ArrayLike | None = None,
+        hulls: Sequence[ArrayLike] | None = None,
+        hull_radii: ArrayLike | None = None,
+        hull_labels: ArrayLike | None = None,
+    ) -> Scene:
+        """Make a scene of objects, each of any number of solids.
+
+        All lengths in m, in the frame in which the arm's own base stands (that of targets).
+        Labels say, solid by solid, which of `names` a solid belongs to.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Names of the objects, no two alike, none empty. No names: an empty scene.
+        removable : sequence of bool, optional
+            Which objects may be taken out of the way. Default: none.
+        spheres : ndarray, shape (n, 4), optional
+            Rows x, y, z, radius. Clouds of points come in here, of a million rows as well.
+        capsules : ndarray, shape (n, 7), optional
+            Rows of the two ends of the core and the radius round it.
+        boxes : ndarray, shape (n, 16), optional
+            Rows of centre (3), half lengths (3), rotation row by row (9; its columns are the
+            axes of the box) and the radius round the box.
+        halfspaces : ndarray, shape (n, 4), optional
+            Rows of an outward normal (3) and d: solid is where ``normal . x <= d``.
+        hulls : sequence of ndarray, shape (k, 3), optional
+            Points, of each the convex hull; points inside cost time alone.
+        hull_radii : ndarray, shape (n,), optional
+            Radius round each hull. Default: 0.
+        sphere_labels, capsule_labels, box_labels, halfspace_labels, hull_labels : ndarray
+            shape (n,), whole numbers from 0: as many as there are solids of that kind.
+
+        Raises
+        ------
+        ArgumentError
+            A wrong shape, a number that is not finite, a negative radius or half length, a
+            rotation that is none, a normal of no length, a label without a name, a name
+            twice. The message names the argument and the row.
+        """
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the objects."""
+
+    @property
+    def removable(self) -> list[bool]:
+        """Which objects may be taken out of the way."""
+
+    def __len__(self) -> int:
+        """Return the number of objects."""
+
+@final
+class Bodies:
+    """Solids on the frames of an arm, and which pairs of them may hit each other."""
+
+    def __new__(
+        cls,
+        chain: Chain,
+        names: Sequence[str],
+        frames: Sequence[int],
+        kinds: Sequence[str],
+        cores: Sequence[object],
+        radii: ArrayLike,
+        self_pairs: Sequence[tuple[int, int]] | None = None,
+        attached: Sequence[bool] | None = None,
+    ) -> Bodies:
+        """Make the bodies of an arm.
+
+        Parameters
+        ----------
+        chain : Chain
+            The arm.
+        names : sequence of n str
+            Names of the bodies, no two alike, none empty.
+        frames : sequence of n int
+            The frame that each body stands still in: 0 is the base frame, k that of
+            ``chain.link_names[k - 1]`` as `Chain.fk_links` gives it, so that the last one,
+            ``len(chain.link_names)``, is the tool frame.
+        kinds : sequence of n {"sphere", "capsule", "box", "convex", "cover"}
+            What core each body has.
+        cores : sequence of n
+            In the body's frame, m: of a sphere its centre, shape (1, 3) or (3,); of a capsule
+            its two ends, shape (2, 3); of a box the tuple (centre, half, rotation), shapes
+            (3,), (3,), (3, 3) with the axes of the box as columns; of a convex body the
+            points whose hull it is, shape (k, 3). A "cover" is a box that meets the scene (not
+            other bodies) as spheres that cover it, 8**level of them: the tuple (centre, half,
+            rotation, level, split), level 0 to 3, split "equal" or "near-cubic".
+        radii : ndarray, shape (n,), m
+            Radius round each core.
+        self_pairs : sequence of (int, int), optional
+            The pairs of bodies that may hit each other. Default: all but those that stand on
+            one link, those on links that one joint joins, and those that structure makes hit:
+            at most two joints apart and hitting in more than 25 % of 4,000 sampled postures,
+            or in more than 95 % at any distance. Pairs that were never seen hitting stay.
+        attached : sequence of n bool, optional
+            Which bodies are tools or held objects, put on at run time. Default: none.
+
+        Raises
+        ------
+        ArgumentError
+            A wrong shape or number of entries, an unknown kind or frame, a number that is not
+            finite, a negative radius or half length, a name twice, a pair that is none.
+        """
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the bodies."""
+
+    @property
+    def frames(self) -> list[int]:
+        """Frame of each body."""
+
+    @property
+    def attached(self) -> list[bool]:
+        """Which bodies are tools or held objects."""
+
+    @property
+    def self_pairs(self) -> list[tuple[int, int]]:
+        """Pairs of bodies that are asked whether they hit each other."""
+
+    @property
+    def excluded_pairs(self) -> list[tuple[int, int, str, float | None]]:
+        """Pairs that are not asked: two bodies, why, and the share of postures that hit.
+
+        Why is "same link", "adjacent", "structural" or, of given pairs, "not listed"; the
+        share is None but for "structural".
+        """
+
+    def __len__(self) -> int:
+        """Return the number of bodies."""
+
+@final
+class Collider:
+    """An arm with bodies in a scene: what hits what at given joint values."""
+
+    def __new__(
+        cls,
+        bodies: Bodies,
+        scene: Scene,
+        exemptions: Sequence[tuple[int, int]] | None = None,
+        touch: tuple[Sequence[tuple[int, int]], ArrayLike, float] | None = None,
+    ) -> Collider:
+        """Put bodies into a scene.
+
+        What is given to `agrik_fast.Robot.ik` as its scene is an object that makes one of
+        these for the arm, with a method ``collider(robot)``, or one of these itself.
+
+        Bodies on the base frame are never asked about the scene, as they do not move in it.
+
+        Parameters
+        ----------
+        bodies : Bodies
+            The arm with its bodies.
+        scene : Scene
+            The objects.
+        exemptions : sequence of (int, int), optional
+            Pairs of a body and an object of the scene that do not mind each other, at any
+            posture.
+        touch : tuple (pairs, target, radius), optional
+            More such pairs, which hold only while the tool point of the chain is no farther
+            than `radius` (m) from `target`, shape (3,), m: the fruit that a gripper may touch
+            is an obstacle like others on the way there.
+
+        Raises
+        ------
+        ArgumentError
+            A pair that names no body or no object; a target or radius that is not finite.
+        """
+
+    @property
+    def bodies(self) -> Bodies:
+        """The arm with its bodies."""
+
+    @property
+    def scene(self) -> Scene:
+        """The objects."""
+
+    def collides(
+        self, q: ArrayLike, clear: float = 0.0, threads: int | None = None
+    ) -> NDArray[np.bool_]:
+        """Whether postures hit the scene or themselves.
+
+        Parameters
+        ----------
+        q : ndarray, shape (..., dof), rad or m
+            Joint values, finite; limits are of no account.
+        clear : float, default 0, m
+            Distance to be kept from the scene: as near or nearer is a hit. Pairs of bodies
+            hit at distance 0 whatever it is.
+        threads : int, optional
+            Number of threads, as for `Chain.ik`. Answers do not depend on it.
+
+        Returns
+        -------
+        ndarray of bool, shape (...)
+            True where a body is `clear` or less away from an object that it minds, or two
+            bodies of a self pair touch.
+
+        Raises
+        ------
+        ArgumentError
+            A wrong shape, a joint value that is not finite, a negative `clear`.
+        """
+
+    def clearance(
+        self,
+        q: ArrayLike,
+        cap: float | None = None,
+        threads: int | None = None,
+        own: bool = True,
+    ) -> NDArray[np.float64]:
+        """Distance of postures from the nearest collision, m.
+
+        Parameters
+        ----------
+        q : ndarray, shape (..., dof), rad or m
+            Joint values, finite.
+        cap : float, optional, m
+            Distances above it are it: the less it is, the quicker the answer. Default:
+            none, and infinity where there is nothing to hit.
+        threads : int, optional
+            Number of threads.
+        own : bool, default True
+            The distances of self pairs count as well.
+
+        Returns
+        -------
+        ndarray, shape (...), m
+            Least distance; 0 or less exactly where `collides` (with `own`). The size of a
+            depth has a meaning only for half-spaces and for cores that are points or
+            segments.
+
+        Raises
+        ------
+        ArgumentError
+            As `collides`.
+        """
+
+    def distances(
+        self, q: ArrayLike, cap: float | None = None, threads: int | None = None
+    ) -> Distances:
+        """Distance of each body, with the nearest object and the points; m.
+
+        Parameters
+        ----------
+        q : ndarray, shape (..., dof), rad or m
+            Joint values, finite.
+        cap : float, optional, m
+            What is farther away counts as not there. Default: none.
+        threads : int, optional
+            Number of threads.
+
+        Returns
+        -------
+        Distances
+            Body by body, and for the nearest self pair.
+
+        Raises
+        ------
+        ArgumentError
+            As `collides`.
+        """
+
+    def gradient(
+        self,
+        q: ArrayLike,
+        cap: float | None = None,
+        threads: int | None = None,
+        own: bool = True,
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Clearance and how it changes with the joint values.
+
+        The derivative is that of the nearest pair, along the line between its points: where
+        two pairs are equally near it is that of one of them, where cores meet it is 0, as it
+        is where nothing is within `cap`.
+
+        Parameters
+        ----------
+        q : ndarray, shape (..., dof), rad or m
+            Joint values, finite.
+        cap, threads, own : optional
+            As for `clearance`.
+
+        Returns
+        -------
+        clearance : ndarray, shape (...), m
+            As `clearance` gives it.
+        gradient : ndarray, shape (..., dof), m/rad or no unit
+            Change of the clearance with each joint value.
+
+        Raises
+        ------
+        ArgumentError
+            As `collides`.
+        """
+
+@final
+class Distances:
+    """What `Collider.distances` returns; arrays have the leading shape of the joint values."""
+
+    @property
+    def distance(self) -> NDArray[np.float64]:
+        """Distance of each body from its nearest object, shape (..., bodies), m.
+
+        Infinite where there is none: within the cap, or that the body minds.
+        """
+
+    @property
+    def object(self) -> NDArray[np.int64]:
+        """Index of the nearest object of each body, shape (..., bodies); -1 for none."""
+
+    @property
+    def on_body(self) -> NDArray[np.float64]:
+        """The body's point nearest to the object, shape (..., bodies, 3), m; 0 for none."""
+
+    @property
+    def on_object(self) -> NDArray[np.float64]:
+        """The object's point nearest to the body, shape (..., bodies, 3), m; 0 for none."""
+
+    @property
+    def own_distance(self) -> NDArray[np.float64]:
+        """Distance of the nearest self pair, shape (...), m; infinite for none."""
+
+    @property
+    def own_pair(self) -> NDArray[np.int64]:
+        """The two bodies of the nearest self pair, shape (..., 2); -1 for none."""
+
+    @property
+    def own_points(self) -> NDArray[np.float64]:
+        """Where they come nearest, shape (..., 2, 3), m; 0 for none."""
+
+@final
+class CsvRows:
+    """Rows of a CSV file that are neither blank nor comments."""
+
+    def __new__(cls, path: str | PathLike[str], limit: int) -> CsvRows:
+        """Open a file and read its header; rows of more than `limit` bytes are refused."""
+
+    @property
+    def header(self) -> list[str]:
+        """Names of the columns; none where the file holds no row."""
+
+    def block(
+        self, size: int, bytes: int, numeric: list[int], texts: list[int]
+    ) -> tuple[NDArray[np.float64], list[list[str]], list[int]]:
+        """Read up to `size` rows, fewer where they take more than `bytes` together.
+
+        Parameters
+        ----------
+        size, bytes : int
+            Rows and bytes at most.
+        numeric : list of int
+            Columns to be read as numbers.
+        texts : list of int
+            Columns to be read as texts.
+
+        Returns
+        -------
+        numbers : ndarray, shape (n, k)
+            The numbers.
+        texts : list of list of str
+            The texts, column by column.
+        lines : list of int
+            Line on which each row begins, from 1.
+
+        Raises
+        ------
+        ValueError
+            A field that is no number, a row of another length, bytes that are no text; names
+            row, line and column.
+        """
+
+def csv_lines(columns: list[object]) -> bytes:
+    """Return the lines of columns of one length: arrays of float64, int64, bool, or texts."""
 
 @final
 class StrawberryArm:
@@ -718,3 +1296,139 @@ def simd_level() -> str:
         that the environment variable ``AGRIK_SIMD`` names. A name that the machine does not
         have is a `RuntimeWarning` when the compiled module is first used.
     """
+
+@final
+class HarvestStation:
+    """An arm on a slide, with bodies, in a crop; see `agrik_fast.harvest.plan`."""
+
+    def __new__(
+        cls,
+        bodies: Bodies,
+        scene: Scene,
+        statics: Sequence[int],
+        static_skip: Sequence[tuple[int, int]],
+        touching: Sequence[int],
+        level: int | None = None,
+        split: str | None = None,
+        moved: ArrayLike | None = None,
+    ) -> HarvestStation:
+        """Put an arm with bodies into a crop.
+
+        Parameters
+        ----------
+        bodies : Bodies
+            The arm with its bodies.
+        scene : Scene
+            The crop.
+        statics : sequence of int
+            Objects that are never touched but may be near.
+        static_skip : sequence of (int, int)
+            Pairs of a body and one of them that do not mind each other.
+        touching : sequence of int
+            Bodies that may touch a target.
+        level : int, optional
+            Boxes count as 8^level spheres; without it as they are.
+        split : {"equal", "near-cubic"}, optional
+            How they are cut into cells.
+        moved : array_like, shape (3,), m, optional
+            How far `statics` are from where the scene has them: with the arm.
+
+        Raises
+        ------
+        ArgumentError
+            The arm is not six joints with a spherical wrist on a slide; an index out of range.
+        """
+
+    def plan(
+        self,
+        points: ArrayLike,
+        objects: Sequence[Sequence[int]],
+        names: Sequence[str],
+        settings: Mapping[str, Any] | None = None,
+        scan_all: bool = False,
+        threads: int | None = None,
+    ) -> dict[str, Any]:
+        """Decide for targets, shape (n, 3), m; with `scan_all` by a scan of everything."""
+
+    def blockers(
+        self,
+        points: ArrayLike,
+        objects: Sequence[Sequence[int]],
+        names: Sequence[str],
+        settings: Mapping[str, Any] | None = None,
+        threads: int | None = None,
+    ) -> list[tuple[list[int], bool, dict[str, Any]] | None]:
+        """Name the fewest removable objects in the way of each target."""
+
+    def inside(self, points: ArrayLike, objects: Sequence[Sequence[int]]) -> list[int]:
+        """Return the object in which each point lies, if none of its own; -1 for none."""
+
+    def table(
+        self,
+        point: ArrayLike,
+        objects: Sequence[int],
+        psi: float,
+        tilt: float = 0.0,
+        shift: float = 0.0,
+        settings: Mapping[str, Any] | None = None,
+    ) -> dict[str, Any]:
+        """All postures of one approach to a target, as rows of a table."""
+
+    def approaches(
+        self,
+        point: ArrayLike,
+        objects: Sequence[int],
+        settings: Mapping[str, Any] | None = None,
+    ) -> dict[str, Any]:
+        """Scan approach angles: psi, open, rank, and the distances hard and soft, m."""
+
+@final
+class HarvestProgramme:
+    """The non-linear programme of one target; see `agrik_fast.harvest.Programme`."""
+
+    def __new__(
+        cls,
+        bodies: Bodies,
+        scene: Scene,
+        statics: Sequence[int],
+        static_skip: Sequence[tuple[int, int]],
+        touching: Sequence[int],
+        point: ArrayLike,
+        objects: Sequence[int],
+        weights: ArrayLike,
+        level: int | None = None,
+        split: str | None = None,
+    ) -> HarvestProgramme:
+        """Put an arm with bodies into a crop, with a target.
+
+        Parameters
+        ----------
+        bodies, scene, statics, static_skip, touching, level, split
+            As for `HarvestStation`.
+        point : array_like, shape (3,), m
+            The grip point.
+        objects : sequence of int
+            Objects of the target.
+        weights : array_like, shape (4,)
+            Of position (1/m), orientation and nearness, and the distance that is enough, m.
+
+        Raises
+        ------
+        ArgumentError
+            A weight out of its range, or all of them zero; an index out of range.
+        """
+
+    def terms(self, q: ArrayLike) -> dict[str, Any]:
+        """Return the terms of the cost at joint values, shape (..., dof)."""
+
+    def search(
+        self,
+        algorithm: str,
+        seeds: Sequence[int],
+        options: Mapping[str, Any] | None = None,
+        threads: int | None = None,
+    ) -> dict[str, Any]:
+        """Search from seeds by "ga" or "de"."""
+
+def harvest_words() -> tuple[list[str], list[str]]:
+    """Return the names of the statuses and of the stages of a decision, at their codes."""

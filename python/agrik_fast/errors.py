@@ -19,7 +19,11 @@ __all__ = [
     "Fault",
     "GainFileError",
     "InternalError",
+    "MissingExtraError",
     "RobotFileError",
+    "RobotWarning",
+    "SceneFileError",
+    "SettingsWarning",
     "UnknownNameError",
     "UrdfError",
 ]
@@ -111,6 +115,42 @@ class InternalError(AgrikError):
         return InternalError, self.args
 
 
+class MissingExtraError(AgrikError, ImportError):
+    """Something needs a library that the base installation does not bring.
+
+    Parameters
+    ----------
+    what : str
+        What needs it, in words.
+    extra : str
+        Name of the extra that brings it.
+
+    Attributes
+    ----------
+    what, extra
+        The parameters.
+    """
+
+    what: str
+    extra: str
+
+    def __init__(self, what: str, extra: str) -> None:
+        self.what = what
+        self.extra = extra
+        super().__init__(f"{what}: needs an extra, pip install 'agrik_fast[{extra}]'")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.what, self.extra)
+
+
+class RobotWarning(UserWarning):
+    """Something about a robot that is allowed and seldom meant."""
+
+
+class SettingsWarning(UserWarning):
+    """Something changes the settings of a solver from their usual values."""
+
+
 class GainFileError(AgrikError, ValueError):
     """A gain file, or a tuner's checkpoint, cannot be used.
 
@@ -187,7 +227,7 @@ _TOLD = 100
 
 
 class Fault(NamedTuple):
-    """One fault of a robot file.
+    """One fault of a robot file or a scene file.
 
     Attributes
     ----------
@@ -204,7 +244,25 @@ class Fault(NamedTuple):
         return f"{self.place}: {self.message}" if self.place else self.message
 
 
-class RobotFileError(AgrikError, ValueError):
+class _FaultyFileError(AgrikError, ValueError):
+    """A file cannot be used; carries every fault found in it."""
+
+    file: str
+    faults: tuple[Fault, ...]
+
+    def __init__(self, file: str, faults: Iterable[tuple[str, str]]) -> None:
+        self.file = file
+        self.faults = tuple(Fault(place, message) for place, message in faults)
+        count = len(self.faults)
+        head = f"{file}: {count} fault{'' if count == 1 else 's'}"
+        more = [f"  and {count - _TOLD} more"] if count > _TOLD else []
+        super().__init__("\n".join([head, *(f"  {fault}" for fault in self.faults[:_TOLD]), *more]))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.file, self.faults)
+
+
+class RobotFileError(_FaultyFileError):
     """A robot file cannot be used; carries every fault found in it.
 
     Parameters
@@ -222,19 +280,24 @@ class RobotFileError(AgrikError, ValueError):
         The faults.
     """
 
-    file: str
-    faults: tuple[Fault, ...]
 
-    def __init__(self, file: str, faults: Iterable[tuple[str, str]]) -> None:
-        self.file = file
-        self.faults = tuple(Fault(place, message) for place, message in faults)
-        count = len(self.faults)
-        head = f"{file}: {count} fault{'' if count == 1 else 's'}"
-        more = [f"  and {count - _TOLD} more"] if count > _TOLD else []
-        super().__init__("\n".join([head, *(f"  {fault}" for fault in self.faults[:_TOLD]), *more]))
+class SceneFileError(_FaultyFileError):
+    """A scene file or a cloud of points cannot be used; carries every fault found in it.
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.file, self.faults)
+    Parameters
+    ----------
+    file : str
+        Name of the file.
+    faults : iterable of (place, message)
+        The faults, in the order of the file.
+
+    Attributes
+    ----------
+    file : str
+        Name of the file.
+    faults : tuple of Fault
+        The faults.
+    """
 
 
 class UrdfError(AgrikError, ValueError):

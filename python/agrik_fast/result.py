@@ -2,11 +2,36 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 
 from ._native import Branches, IkResult
 
-__all__ = ["Branches", "IkResult", "Singularity", "Status"]
+__all__ = ["Branches", "Family", "IkResult", "Singularity", "Status", "Warnings"]
+
+
+@dataclass(frozen=True)
+class Family:
+    """What an arm was recognised as, see `Robot.family`."""
+
+    name: str
+    """Short name, such as "three parallel axes"; "unsupported" where no branches are found."""
+
+    method: str
+    """How `Robot.ik_all` finds its branches."""
+
+    reason: str
+    """What was seen in the axes, or why there is no closed form, or nothing at all."""
+
+    branches: int
+    """Most branches of a target, at one value of the locked joint or arm angle; 0 where none
+    are found."""
+
+    locked: str | None
+    """Joint that `Robot.ik_all` locks where nothing is said, and sweeps; None without one."""
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.method}): {self.reason}"
 
 
 class Singularity(IntFlag):
@@ -24,6 +49,32 @@ class Singularity(IntFlag):
 
     WRIST = 4
     """The first and the last axis of the wrist are in line."""
+
+    GENERAL = 8
+    """The arm's Jacobian is singular, of arms without names for their singularities."""
+
+
+class Warnings(IntFlag):
+    """What is to be said of a target beside its status; all but STRAIGHTENED by `Robot.ik_all`."""
+
+    FOLD = 1
+    """An odd number of branches: two of them met, or all but met."""
+
+    NEAR_SINGULAR = 2
+    """A branch is near a singularity; ``Branches.singular`` tells which."""
+
+    SECOND_CUT = 4
+    """The general solver doubted its first look and took a second one."""
+
+    SINGULAR_FAMILY = 8
+    """A joint turns freely: ``Branches.free_joint``. Its value is that of `q0`, or the middle
+    of its limits."""
+
+    MORE = 16
+    """There are more branches than are given."""
+
+    STRAIGHTENED = 32
+    """The target's rotation was rounded; the nearest rotation took its place."""
 
 
 class Status(IntEnum):
@@ -52,3 +103,22 @@ class Status(IntEnum):
 
     NON_FINITE = 5
     """Numbers of a feedback solver grew beyond all bounds, as those of an unstable A do."""
+
+    IN_COLLISION = 6
+    """Reached within tolerances and limits, but by no posture found that keeps clear of the
+    scene and of the arm itself; the least bad one is returned (only with a scene)."""
+
+    JOINT_LIMITS = 7
+    """There are postures for it, but none within the limits (`Robot.ik_all` only)."""
+
+    SINGULAR_FAMILY = 8
+    """Reached within the limits, by postures in which a joint turns freely: which one is in
+    ``Branches.free_joint`` (`Robot.ik_all` only)."""
+
+    OVERDETERMINED = 9
+    """The target asks for more than the arm has joints for; the nearest postures are given,
+    with the angle left in ``Branches.orientation_error`` (`Robot.ik_all` only)."""
+
+    UNSUPPORTED = 10
+    """No method here finds the branches of such an arm; `Robot.family` says why
+    (`Robot.ik_all` only)."""

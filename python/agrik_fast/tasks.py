@@ -14,7 +14,7 @@ import numpy as np
 from ._checks import direction, float_array
 from .errors import ArgumentError
 
-__all__ = ["Axis", "Masked", "Pose", "Position", "Task"]
+__all__ = ["Axis", "Masked", "Pose", "Position", "PositionFirst", "Task"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +88,8 @@ class Masked:
     weights : tuple of 6 float
         Weights >= 0 of the errors along x, y, z (m) and about x, y, z (rad), no unit;
         at least one above 0. The tolerances apply to the unweighted errors of the rows
-        whose weight is above 0.
+        whose weight is above 0. For rows that are to be met within a margin of their own see
+        `position_tolerance` and `orientation_tolerance` of `Robot.ik`.
     frame : {"base", "tool"}, default "base"
         Frame in which the rows are counted.
 
@@ -125,5 +126,29 @@ class Masked:
         object.__setattr__(self, "weights", tuple(weights.tolist()))
 
 
-Task: TypeAlias = Position | Pose | Axis | Masked
+@dataclass(frozen=True, slots=True)
+class PositionFirst:
+    """The tool point is at the target, exactly; its orientation as near as that allows.
+
+    Targets have shape (..., 4, 4), lengths in m. A target counts as solved where the
+    position is within its tolerance; `IkResult.orientation_error` says how far the tool's
+    orientation is from the target's, which is the least that a search from several starts
+    finds. An orientation within `orientation_tolerance` ends the search.
+
+    For step solvers other than feedback laws (which go on with their own steps and are
+    judged by the position), and for population solvers. Of the closed forms, "auto" leaves
+    such targets to "lm".
+
+    Examples
+    --------
+    A 5-axis arm, which has no full pose to spare:
+
+    >>> PositionFirst.name
+    'position-first'
+    """
+
+    name: ClassVar[str] = "position-first"
+
+
+Task: TypeAlias = Position | Pose | Axis | Masked | PositionFirst
 """Any task."""

@@ -164,6 +164,42 @@ def test_unused_columns_are_mentioned(agrik_fast: RunCommand) -> None:
     assert "not used: colour" in agrik_fast("solve", "tomato", "t.csv", "-o", "r.csv").stderr
 
 
+def test_tolerances_by_axis(agrik_fast: RunCommand) -> None:
+    arm = Robot.load("puma560")
+    poses = arm.fk(arm.random_q(20, seed=2))
+    poses[:, 2, 3] += 0.02
+    np.save("off.npy", poses)
+    words = ["solve", "puma560", "off.npy", "-o", "out.npz", "--strict"]
+    bounds = ["--tol", "1e-6,1e-6,0.021", "--tol-rad", "0.001,0.002,inf", "--tol-frame", "base"]
+    assert agrik_fast(*words, *bounds).exit_code == 0
+    layout = read_results("out.npz")[0]
+    assert layout.metadata["position_tolerance_m"] == "1e-06,1e-06,0.021"
+    assert layout.metadata["orientation_tolerance_rad"] == "0.001,0.002,inf"
+    assert layout.metadata["tolerance_frame"] == "base"
+    wrong = {
+        "--tol": ["1,2", "a", "1,2,3,4", "nan,1,1", "-1", "inf", "1,0,1"],
+        "--tol-rad": ["", "1;2;3"],
+        "--tol-frame": ["world"],
+    }
+    for option, values in wrong.items():
+        for value in values:
+            refused = agrik_fast(*words, "--force", option, value)
+            assert refused.exit_code == 2
+            assert f"`{option}`" in refused.stderr
+
+
+def test_the_position_first(agrik_fast: RunCommand) -> None:
+    arm = Robot.load("hydrolek")
+    np.save("poses.npy", arm.fk(arm.random_q(20, seed=2)))
+    words = ["solve", "hydrolek", "poses.npy", "-o", "out.npz", "--task", "position-first"]
+    assert agrik_fast(*words, "--strict").exit_code == 0
+    np.save("points.npy", np.zeros((2, 3)))
+    words[2] = "points.npy"
+    refused = agrik_fast(*words, "--force")
+    assert refused.exit_code == 2
+    assert "orientations" in refused.stderr
+
+
 def test_tolerance_and_solver_are_passed_on(agrik_fast: RunCommand) -> None:
     points_file("p.npy", "tomato", 50)
     words = ["solve", "tomato", "p.npy", "--solver", "transpose", "--tol", "1e-3"]

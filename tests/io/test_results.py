@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from agrik_fast import Status
-from agrik_fast.io import ResultChunk, ResultFileError, ResultLayout, open_results, read_results
+from agrik_fast.io import (
+    ResultChunk,
+    ResultFileError,
+    ResultLayout,
+    SceneColumns,
+    open_results,
+    read_results,
+)
 from agrik_fast.io._results import RESULT_SUFFIXES
 
 LAYOUT = ResultLayout(("s10_m", "theta_rad"), metadata={"robot": "toy", "seed": "7"})
@@ -17,7 +24,9 @@ def write(path: Path, text: str) -> Path:
     return path
 
 
-def results(count: int, first: int = 1, text_ids: bool = False) -> ResultChunk:
+def results(
+    count: int, first: int = 1, text_ids: bool = False, in_scene: bool = False
+) -> ResultChunk:
     random = np.random.default_rng(first)
     ids = np.arange(first, first + count)
     status = (np.arange(count) % len(Status)).astype(np.int8)
@@ -30,31 +39,45 @@ def results(count: int, first: int = 1, text_ids: bool = False) -> ResultChunk:
         orientation_error=np.full(count, np.nan),
         iterations=random.integers(0, 99, count).astype(np.int32),
         restarts=random.integers(0, 9, count).astype(np.int32),
+        scene=meetings(count, first) if in_scene else None,
     )
+
+
+def meetings(count: int, first: int) -> SceneColumns:
+    gaps = np.random.default_rng(first).normal(size=count)
+    gaps[::3] = np.inf
+    bodies = np.array(["", "hand", "forearm"])[np.arange(count) % 3]
+    return SceneColumns(gaps, bodies, np.array(["", "leaf, left", "ä"])[np.arange(count) % 3])
 
 
 def assert_same(one: ResultChunk, other: ResultChunk) -> None:
     for name in ResultChunk.__dataclass_fields__:
-        np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
+        if name != "scene":
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
+    assert (one.scene is None) == (other.scene is None)
+    if one.scene is not None and other.scene is not None:
+        for name in SceneColumns.__dataclass_fields__:
+            pair = getattr(one.scene, name), getattr(other.scene, name)
+            np.testing.assert_array_equal(*pair, err_msg=name)
 
 
-def joined(*chunks: ResultChunk) -> ResultChunk:
-    names = ResultChunk.__dataclass_fields__
-    return ResultChunk(**{n: np.concatenate([getattr(c, n) for c in chunks]) for n in names})
-
-
+@pytest.mark.parametrize("in_scene", [False, True])
 @pytest.mark.parametrize("text_ids", [False, True])
 @pytest.mark.parametrize("suffix", RESULT_SUFFIXES)
-def test_results_read_back_to_the_same_bits(tmp_path: Path, suffix: str, text_ids: bool) -> None:
+def test_results_read_back_to_the_same_bits(
+    tmp_path: Path, suffix: str, text_ids: bool, in_scene: bool
+) -> None:
     path = tmp_path / f"results{suffix}"
-    layout = ResultLayout(LAYOUT.joint_columns, text_ids, LAYOUT.metadata)
-    parts = results(7, 1, text_ids), results(5, 8, text_ids), results(120, 13, text_ids)
+    letters = 10 if in_scene else 0
+    layout = ResultLayout(LAYOUT.joint_columns, text_ids, LAYOUT.metadata, letters)
+    sizes = ((7, 1), (5, 8), (120, 13))
+    parts = [results(count, first, text_ids, in_scene) for count, first in sizes]
     with open_results(path, layout) as writer:
         for part in parts:
             writer.write(part)
         assert not path.exists()
     back_layout, back = read_results(path)
-    whole = joined(*parts)
+    whole = ResultChunk.joined(parts)
     if suffix == ".csv" and not text_ids:
         back = ResultChunk(**{**vars(back), "ids": back.ids.astype(int)})
     assert_same(back, whole)
@@ -80,7 +103,7 @@ def test_csv_results_look_as_documented(tmp_path: Path) -> None:
         )
     assert (tmp_path / "r.csv").read_text() == (
         "id,s10_m,theta_rad,status,success,position_error_m,orientation_error_rad,"
-        "iterations,restarts\n1,0.1,-1.5,converged,true,2e-09,0.0,5,0\n"
+        "iterations,restarts\n1,0.1,-1.5,converged,true,2e-9,0.0,5,0\n"
     )
 
 

@@ -16,6 +16,7 @@ from agrik_fast import solvers
 # restart fails. The caps are so high that only a signal ends the call.
 SCRIPT = """
 import sys
+import time
 import numpy as np
 import agrik_fast as ik
 
@@ -29,8 +30,10 @@ print("started", flush=True)
 try:
     arm.ik(targets, solver=solver, threads=int(sys.argv[2]))
 except KeyboardInterrupt:
-    print("interrupted", flush=True)
+    print("interrupted", time.monotonic(), flush=True)
 """
+TRIES = 3
+"""A second is promised; a machine that is busy elsewhere may miss it once or twice."""
 
 
 @pytest.mark.parametrize(
@@ -46,6 +49,11 @@ except KeyboardInterrupt:
     ],
 )
 def test_a_signal_ends_a_long_call(arguments):
+    assert any(seconds_to_end(arguments) < 1.0 for _ in range(TRIES))
+
+
+def seconds_to_end(arguments):
+    """Seconds from the signal to the exception."""
     command = [sys.executable, "-c", SCRIPT, *map(str, arguments)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         try:
@@ -55,12 +63,12 @@ def test_a_signal_ends_a_long_call(arguments):
             sent = time.monotonic()
             process.send_signal(signal.SIGINT)
             out, _ = process.communicate(timeout=60)
-            # A second is promised; a busy machine may take longer to notice.
-            assert time.monotonic() - sent < 5
         finally:
             process.kill()
-    assert out == "interrupted\n"
     assert process.returncode == 0
+    word, ended = out.split()
+    assert word == "interrupted"
+    return float(ended) - sent
 
 
 @pytest.mark.parametrize("rows", [1, 1000])

@@ -1,4 +1,4 @@
-"""Every branch of spherical-wrist arms: this library against EAIK.
+"""Every branch of arms with a closed form: this library against EAIK.
 
 EAIK (C++) solves by subproblem decomposition; it gets each arm as axes in space, read off
 the library's forward kinematics, which Pinocchio vouches for.
@@ -11,13 +11,19 @@ import pytest
 from eaik.IK_HP import HPRobot
 
 import agrik_fast as ik
+from branch_arms import of_reference, reference
 
 DATA = Path(__file__).parent.parent / "data"
 POSES = 2000
 ROUNDING = 1e-6  # rad: between two solvers, near singular postures included
 
 
+REFERENCE = reference()["six"]
+
+
 def load(name: str) -> ik.Robot:
+    if name in REFERENCE:
+        return of_reference(REFERENCE[name], np.pi)
     path = DATA / f"{name}.urdf"
     return ik.Robot.load(path if path.exists() else name)
 
@@ -47,7 +53,7 @@ def apart(q: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.abs(off - 2 * np.pi * np.round(off / (2 * np.pi))).max(axis=-1)
 
 
-@pytest.mark.parametrize("name", ["puma560", "irb140", "kr16"])
+@pytest.mark.parametrize("name", ["puma560", "irb140", "kr16", "ur5", "ur5e", "z1"])
 def test_as_many_branches_as_eaik_and_the_same_ones(name: str) -> None:
     arm = load(name)
     axes, ways, home = axes_of(arm)

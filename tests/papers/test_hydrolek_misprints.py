@@ -47,7 +47,9 @@ def test_equation_2_leaves_out_the_last_row():
 def test_algorithm_1_corrected_is_the_librarys():
     found = hydrolek.algorithm1(ARM, GOALS, TUNED)
     solver = Plain(
-        solver=IkPid.load("hydrolek_pid_published_tuned"), start="zero", max_iterations=200
+        solver=IkPid.load("hydrolek_pid_published_tuned", as_tuned=True),
+        start="zero",
+        max_iterations=200,
     )
     native = ARM.ik(GOALS, solver=solver, position_tolerance=1e-3)
     np.testing.assert_array_equal(found.reached, native.success)

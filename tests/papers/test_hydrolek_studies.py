@@ -98,7 +98,7 @@ def test_a_radian_is_to_count_as_much_as_the_arm_is_large():
 def test_gains_for_poses_are_better_than_untuned_ones():
     poses = goals.joint_uniform_poses(ARM, 1000, 1)
     counts = []
-    for solver in (StaticGain(), StaticGain.load("hydrolek_pose_cma")):
+    for solver in (StaticGain(), StaticGain.load("hydrolek_pose_cma", as_tuned=True)):
         ended = ARM.ik(poses, solver=Plain(solver=solver, start="zero"), **hydrolek.POSE_TOLERANCE)
         counts.append(int(ended.success.sum()))
     untuned, tuned = counts
@@ -114,7 +114,7 @@ def test_lost_goals_rest_at_limits_and_nowhere_else():
 
 
 def test_the_radius_tells_how_fast_errors_die_out():
-    gains = StateSpace.load("hydrolek_k15_cma")
+    gains = StateSpace.load("hydrolek_k15_cma", as_tuned=True)
     target = ARM.fk(0.5 * (ARM.lower + ARM.upper))[:3, 3]
     errors = hydrolek.error_trace(ARM, gains, target, "zero", 400, 1e-9)
     ended = ARM.ik(target, solver=Plain(solver=gains, start="zero"), position_tolerance=1e-9)

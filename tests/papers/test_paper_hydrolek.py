@@ -69,7 +69,7 @@ def test_traces_end_where_the_solver_ends():
     np.testing.assert_allclose(goal, [0.97355194196, 0.2, 0.08382483348], atol=1e-9)
     from agrik_fast.solvers import StateSpace
 
-    solver = StateSpace.load("hydrolek_full90_pso")
+    solver = StateSpace.load("hydrolek_full90_pso", as_tuned=True)
     trace = hydrolek.error_trace(ARM, solver, goal, "zero", 100, 1e-3)
     assert trace[0] == pytest.approx(np.linalg.norm([0.1, 0.5, 0.2]))
     assert trace[-1] < 1e-3 and len(trace) < 60

@@ -370,7 +370,7 @@ def urdf(*joints):
     ids=["cyclic", "disconnected", "two tips", "base", "tip", "cut off", "text", "empty"],
 )
 def test_urdf(text, links, named):
-    assert _native.Chain.from_urdf(urdf(("a", "b"))).dof == 1
+    assert _native.Chain.from_urdf(urdf(("a", "b")))[0].dof == 1
     with pytest.raises(UrdfError) as error:
         _native.Chain.from_urdf(text, *links)
     assert named in message(error)

@@ -17,6 +17,8 @@ import pytest
 
 import agrik_fast as ik
 import numpy_fk
+from agrik_fast.robot import _prepared, _sources
+from agrik_fast.robot._definition import from_robot_file
 
 GOLDEN = json.loads(
     (Path(__file__).parents[1] / "data" / "golden_kinematics.json").read_text(encoding="utf-8")
@@ -217,7 +219,53 @@ def test_the_reach_bounds_hold(name: str, load_robot: Load) -> None:
 
 
 def test_names_lists_all_robots() -> None:
-    assert ik.Robot.names() == NAMES
+    others = (
+        "ur3e",
+        "ur5e",
+        "ur10e",
+        "fr3",
+        "xarm6",
+        "xarm7",
+        "gen3",
+        "iiwa14",
+        "so101",
+        "widowx250",
+    )
+    assert ik.Robot.names() == tuple(sorted((*NAMES, *others)))
+
+
+@pytest.mark.parametrize("name", sorted(set(ik.Robot.names()) - set(NAMES)))
+def test_arms_of_makers_say_where_they_are_from_and_are_solved(name: str) -> None:
+    arm = ik.Robot.load(name)
+    assert arm.source["url"].startswith("https://")
+    assert "icence" in arm.source["note"]
+    moving = [joint for joint in arm.joint_names if f"{joint}.axis" in arm.provenance]
+    assert moving == list(arm.joint_names)
+    q = arm.random_q(500, seed=4)
+    # Five joints do not follow a pose with rounding, only the points of one.
+    task = "pose" if arm.dof > 5 else "position"
+    found = arm.ik(arm.fk(q), task)
+    assert found.success.mean() >= 0.998
+    np.testing.assert_allclose(
+        arm.fk(found.q)[:, :3, 3][found.success],
+        arm.fk(q)[:, :3, 3][found.success],
+        rtol=0,
+        atol=1e-6,
+    )
+
+
+def test_published_reach_and_limits_of_universal_robots() -> None:
+    """UR e-Series limits are two turns; the lengths are those of the maker's DH tables."""
+    lengths = {"ur3e": (0.24355, 0.2132), "ur5e": (0.425, 0.3922), "ur10e": (0.6127, 0.57155)}
+    for name, (upper, fore) in lengths.items():
+        arm = ik.Robot.load(name)
+        assert np.isclose(arm.upper[[0, 1, 3, 4]], 2 * np.pi).all()
+        # The UR3e's last joint turns without end.
+        assert np.isinf(arm.upper[5]) if name == "ur3e" else np.isclose(arm.upper[5], 2 * np.pi)
+        links = arm.fk_links(np.zeros(6))[:, :3, 3]
+        steps = np.linalg.norm(np.diff(links, axis=0), axis=1)
+        assert np.isclose(steps, upper, atol=1e-9).any()
+        assert np.isclose(np.abs(np.diff(links, axis=0)), fore, atol=1e-9).any()
 
 
 def test_descriptions_reach_the_user(load_robot: Load) -> None:
@@ -244,10 +292,10 @@ def test_a_robot_file_can_lie_anywhere(tmp_path: Path) -> None:
     ("name", "message"),
     [
         ("pumma560", "unknown robot 'pumma560'; did you mean 'puma560'? Known: cucumber, "),
-        ("UR5", "unknown robot 'UR5'; did you mean 'ur5'?"),
-        ("xyz", "unknown robot 'xyz'. Known: cucumber, hydrolek"),
+        ("UR5", "unknown robot 'UR5'; did you mean 'ur5' or 'ur5e'"),
+        ("xyz", "unknown robot 'xyz'. Known: cucumber, fr3"),
         ("no/such.toml", "'no/such.toml', which is no file"),
-        ("arm.step", "a bundled robot's name or a .toml, .urdf, .xml file, got 'arm.step'"),
+        ("arm.step", "a robot's name or a .toml, .urdf, .xml, .xacro file, got 'arm.step'"),
     ],
 )
 def test_unknown_robots_are_refused(name: str, message: str) -> None:
@@ -367,3 +415,27 @@ def test_public_names_are_all_there() -> None:
         assert getattr(ik, name) is not None
     with pytest.raises(AttributeError, match="module 'agrik_fast' has no attribute 'robots'"):
         _ = ik.robots  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("name", ik.Robot.names())
+def test_what_stands_beside_a_bundled_file_is_what_the_file_says(name: str) -> None:
+    """`python tools/prepare_robots.py` after a change of a file."""
+    path = _sources.BUNDLED / f"{name}.toml"
+    written = path.with_suffix(".json").read_text(encoding="utf-8")
+    assert written == _prepared.text(from_robot_file(path))
+    quick, whole = ik.Robot.load(name), ik.Robot.load(path)
+    assert quick == whole
+    assert (quick.source, quick.provenance, quick.dh) == (whole.source, whole.provenance, whole.dh)
+
+
+def test_a_first_answer_needs_neither_pydantic_nor_what_comes_with_it() -> None:
+    script = (
+        "import sys, numpy as np; from agrik_fast import Robot\n"
+        "assert Robot.load('ur5').ik(np.eye(4)).status.size == 1\n"
+        "print({'pydantic', 'typer', 'rich', 'scipy', 'pyarrow', 'matplotlib', 'tomli_w', "
+        "'importlib.metadata'} & set(sys.modules))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert done.stdout.strip() == "set()"

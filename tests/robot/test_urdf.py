@@ -108,7 +108,7 @@ def test_a_path_that_leads_nowhere(tmp_path: Path) -> None:
 
 def test_a_file_that_is_no_text(tmp_path: Path) -> None:
     file = tmp_path / "mesh.urdf"
-    file.write_bytes(b"\xff\xfe\x00binary")
+    file.write_bytes(b"\xff\xff\x00binary")
     with pytest.raises(ik.UrdfError, match=r"mesh\.urdf: line 1: is not UTF-8"):
         ik.Robot.from_urdf(file)
 

@@ -42,7 +42,7 @@ def assert_true(arm, targets, result, tolerance):
     ],
 )
 def test_bundled_state_spaces_reach_what_they_should(name, solved):
-    result = solve(solvers.StateSpace.load(name))
+    result = solve(solvers.StateSpace.load(name, as_tuned=True))
     assert abs(int(result.success.sum()) - solved) <= 3
     assert_true(ARM, GOALS, result, 1e-3)
     failed = set(np.unique(result.status[~result.success]).tolist())
@@ -50,7 +50,7 @@ def test_bundled_state_spaces_reach_what_they_should(name, solved):
 
 
 def test_the_frame_of_gains_follows_the_robots_first_link():
-    gains = solvers.StateSpace.load("hydrolek_k15_cma")
+    gains = solvers.StateSpace.load("hydrolek_k15_cma", as_tuned=True)
     turned = ARM.in_frame("paper")
     there = GOALS @ ARM.frames["paper"][:3, :3].T
     result = turned.ik(there, solver=gains, position_tolerance=1e-3)
@@ -61,7 +61,7 @@ def test_the_frame_of_gains_follows_the_robots_first_link():
 
 
 def test_units_are_data_of_the_gains():
-    gains = solvers.StateSpace.load("hydrolek_k15_cma")
+    gains = solvers.StateSpace.load("hydrolek_k15_cma", as_tuned=True)
     degree = np.pi / 180
     metric = dataclasses.replace(
         gains,
@@ -139,7 +139,7 @@ def test_poses_and_masks_take_six_columns():
     result = ARM.ik(poses, solver=solvers.Broyden(max_restarts=300), orientation_tolerance=1e-3)
     assert result.success.mean() >= 0.8
     with pytest.raises(ArgumentError, match=r"`B`: expected a 6 x 6 matrix, got 6 x 3"):
-        ARM.ik(poses, solver=solvers.StateSpace.load("hydrolek_k15_cma"))
+        ARM.ik(poses, solver=solvers.StateSpace.load("hydrolek_k15_cma", as_tuned=True))
 
 
 def test_plain_steps_tell_a_stall_from_giving_up():
@@ -154,7 +154,7 @@ def test_plain_steps_tell_a_stall_from_giving_up():
 
 
 def test_an_unstable_state_warns_and_is_told_from_a_miss():
-    gains = solvers.StateSpace.load("hydrolek_k15_cma")
+    gains = solvers.StateSpace.load("hydrolek_k15_cma", as_tuned=True)
     unstable = 3.0 * np.eye(6)
     with pytest.warns(UserWarning, match=r"spectral radius 3\.000"):
         bad = dataclasses.replace(gains, A=unstable)
@@ -165,7 +165,7 @@ def test_an_unstable_state_warns_and_is_told_from_a_miss():
 
 
 def test_gains_for_another_robot_are_refused():
-    gains = solvers.StateSpace.load("hydrolek_k15_cma")
+    gains = solvers.StateSpace.load("hydrolek_k15_cma", as_tuned=True)
     with pytest.raises(
         ArgumentError, match='gains for robot "ur5", got gains for robot "hydrolek"'
     ):
@@ -195,9 +195,9 @@ def test_matrices_that_do_not_fit_are_refused(fields, message):
 
 
 def test_a_state_space_may_have_fewer_states_than_joints():
-    gain = np.array(solvers.StateSpace.load("hydrolek_k15_cma").static_gain())
+    gain = np.array(solvers.StateSpace.load("hydrolek_k15_cma", as_tuned=True).static_gain())
     u, s, v = np.linalg.svd(gain, full_matrices=False)
-    template = solvers.StateSpace.load("hydrolek_k15_cma")
+    template = solvers.StateSpace.load("hydrolek_k15_cma", as_tuned=True)
     three = dataclasses.replace(template, A=np.zeros((3, 3)), B=v, C=u * s)
     assert solve(three).success.sum() >= 985
 
@@ -215,6 +215,6 @@ def test_words_are_checked():
 
 
 def test_feedback_solvers_are_values():
-    gains = solvers.StateSpace.load("hydrolek_full90_pso")
+    gains = solvers.StateSpace.load("hydrolek_full90_pso", as_tuned=True)
     again = pickle.loads(pickle.dumps(gains))
     assert again == gains and hash(again) == hash(gains)

@@ -33,13 +33,13 @@ def test_files_read_back_as_written(tmp_path, suffix):
 
 def test_the_kind_of_solver_is_checked():
     with pytest.raises(GainFileError, match="gains for 'ik-pid', not for 'state-space'"):
-        StateSpace.load("hydrolek_pid_published_tuned")
-    assert IkPid.load("hydrolek_pid_published_tuned").kp == 0.012
+        StateSpace.load("hydrolek_pid_published_tuned", as_tuned=True)
+    assert IkPid.load("hydrolek_pid_published_tuned", as_tuned=True).kp == 0.012
 
 
 def test_an_unknown_set_names_the_nearest():
     with pytest.raises(UnknownNameError, match="hydrolek_k15_cma"):
-        StateSpace.load("hydrolek_k15_cmaes")
+        StateSpace.load("hydrolek_k15_cmaes", as_tuned=True)
 
 
 @pytest.mark.parametrize(
@@ -94,7 +94,7 @@ def test_an_unstable_set_warns_once(tmp_path):
     path = tmp_path / "unstable.json"
     path.write_text(json.dumps(content))
     with pytest.warns(UserWarning, match=r"spectral radius 1\.500") as caught:
-        StateSpace.load(path)
+        StateSpace.load(path, as_tuned=True)
     assert len(caught) == 1
 
 

@@ -14,16 +14,18 @@ import typer
 from typer.core import TyperCommand
 
 from ..papers import PAPERS
+from . import _options
+from ._cluster_app import app as cluster_app
 from ._exits import NOT_ALL_SOLVED, exit_codes, run, say, telling
 
 app = typer.Typer(
     name="agrik-fast",
     help="Fast, verified inverse kinematics for serial robot arms.",
-    add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
+app.add_typer(cluster_app, name="cluster")
 
 
 def main() -> None:
@@ -65,21 +67,37 @@ class _SolveCommand(TyperCommand):
 
 @app.command(cls=_SolveCommand)
 def solve(
-    robot: Annotated[str, typer.Argument(help="A bundled robot's name, or a .toml or .urdf file.")],
+    robot: _options.Robot,
     targets: Annotated[Path, typer.Argument(help="Targets: .csv, .npy, .npz or .parquet.")],
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Results: .csv, .npy, .npz or .parquet.")
     ],
     task: Annotated[
         str | None,
-        typer.Option(help="position, pose or axis; by default pose if there are orientations."),
+        typer.Option(
+            help="position, pose, axis, masked or position-first; by default masked with --mask, "
+            "else pose if there are orientations."
+        ),
     ] = None,
     solver: Annotated[
         str,
         typer.Option(help="Name of the solver."),  # see _SolveCommand
     ] = "lm",
-    tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-6,
-    tol_rad: Annotated[float, typer.Option(help="Orientation tolerance in radians.")] = 1e-6,
+    tol: Annotated[
+        str,
+        typer.Option(
+            help="Position tolerance in metres; or three, along x, y, z, such as 1e-3,1e-3,inf, "
+            "where inf leaves an axis free."
+        ),
+    ] = "1e-6",
+    tol_rad: Annotated[
+        str,
+        typer.Option(help="Orientation tolerance in radians; or three, about x, y, z."),
+    ] = "1e-6",
+    tol_frame: Annotated[
+        str | None,
+        typer.Option(help="Whose axes three tolerances are for: base or tool; by default base."),
+    ] = None,
     tool_axis: Annotated[
         str, typer.Option(help="Axis task: tool axis, such as z, -x or 0,0.6,0.8.")
     ] = "z",
@@ -90,13 +108,52 @@ def solve(
             "by default along the targets' own tool axis."
         ),
     ] = None,
+    mask: Annotated[
+        str | None,
+        typer.Option(
+            help="Weights of the errors along x,y,z and about x,y,z, 0 where it is free, such as "
+            "1,1,1,0,0,1."
+        ),
+    ] = None,
+    mask_frame: Annotated[
+        str, typer.Option(help="Frame in which --mask counts: base or tool.")
+    ] = "base",
+    q0: Annotated[
+        str | None,
+        typer.Option("--q0", help="Start values in radians and metres, such as 0,-1.57,0."),
+    ] = None,
+    base_link: _options.BaseLink = None,
+    tip_link: _options.TipLink = None,
+    tool: _options.Tool = None,
+    frame: _options.Frame = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the restarts.")] = 0,
     threads: Annotated[
         int | None, typer.Option(min=1, help="Threads; by default all cores.")
     ] = None,
+    scene: Annotated[
+        Path | None,
+        typer.Option(help="Scene that answers must not hit: a .json or .toml scene file."),
+    ] = None,
+    clear: Annotated[
+        float, typer.Option(help="Scene: distance in metres that answers keep from it.")
+    ] = 0.0,
+    prefer: Annotated[
+        str, typer.Option(help="Scene: which of several free postures: first, near or clearance.")
+    ] = "first",
+    aim: Annotated[
+        str | None,
+        typer.Option(help="Scene: name of the target in it that the gripper may touch."),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing result.")] = False,
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 3 unless every row is solved.")
+    ] = False,
+    all_branches: Annotated[
+        bool,
+        typer.Option(
+            "--all-branches",
+            help="Write a row for each branch of a target within the limits; no solver then.",
+        ),
     ] = False,
 ) -> None:
     """Solve every target of a file and write the joint values to another.
@@ -108,7 +165,15 @@ def solve(
     """
     with exit_codes() as kept:
         from ..jobs import SolveRequest
-        from ._solve import parse_axis, solve_words
+        from ._solve import (
+            load_scene,
+            parse_axis,
+            parse_frame,
+            parse_preference,
+            parse_tolerance,
+            parse_values,
+            solve_words,
+        )
         from .progress import for_stream
         from .summary import print_summaries
 
@@ -118,13 +183,26 @@ def solve(
             output=output,
             task=task,
             solver=solver,
-            position_tolerance=tol,
-            orientation_tolerance=tol_rad,
+            position_tolerance=parse_tolerance("--tol", tol),
+            orientation_tolerance=parse_tolerance("--tol-rad", tol_rad),
+            tolerance_frame=parse_frame("--tol-frame", tol_frame),
             tool_axis=parse_axis("--tool-axis", tool_axis),
             direction=None if direction is None else parse_axis("--direction", direction),
             seed=seed,
             threads=threads,
             force=force,
+            base_link=base_link,
+            tip_link=tip_link,
+            tool=_options.tool(tool),
+            frame=frame,
+            q0=None if q0 is None else parse_values("--q0", q0),
+            mask=None if mask is None else _options.numbers("--mask", mask, (6,)),
+            mask_frame=parse_frame("--mask-frame", mask_frame) or "base",
+            scene=load_scene(scene, aim),
+            scene_name="" if scene is None else scene.name,
+            clear=clear,
+            prefer=parse_preference(prefer),
+            all_branches=all_branches,
         )
         summary = solve_words(request, for_stream(sys.stderr))
         kept.what = lambda: f"results: {output}"
@@ -139,21 +217,101 @@ def solve(
 def info(
     robot: Annotated[
         str | None,
-        typer.Argument(help="A bundled robot's name, or a .toml or .urdf file; all names if none."),
+        typer.Argument(help="A robot's name or file, as for `solve`; all names if none."),
     ] = None,
+    base_link: _options.BaseLink = None,
+    tip_link: _options.TipLink = None,
+    tool: _options.Tool = None,
+    frame: _options.Frame = None,
+    body: Annotated[
+        bool, typer.Option("--body", help="Print its bodies for collisions instead.")
+    ] = False,
+    self_pairs: Annotated[
+        bool,
+        typer.Option(
+            "--self-pairs",
+            help="Print which bodies may hit each other, and why others are left out.",
+        ),
+    ] = False,
 ) -> None:
     """Print a robot's joints, limits, reach, DH rows and source."""
     with exit_codes():
-        from ._info import describe, list_robots
+        from ..jobs import RobotChoice
+        from ._info import about_collisions, describe, list_robots, no_robot
 
-        text = list_robots() if robot is None else describe(robot)
+        if robot is None and (body or self_pairs):
+            raise no_robot()
+        if robot is None:
+            text = list_robots()
+        else:
+            arm = RobotChoice(robot, base_link, tip_link, _options.tool(tool), frame).load()
+            if body or self_pairs:
+                text = about_collisions(arm, body=body, self_pairs=self_pairs)
+            else:
+                text = describe(arm)
+        with telling():
+            typer.echo(text)
+
+
+@app.command()
+def robots() -> None:
+    """Print the robots that can be loaded by name, with a line on each."""
+    with exit_codes():
+        from ._info import list_robots
+
+        with telling():
+            typer.echo(list_robots())
+
+
+@app.command()
+def solvers() -> None:
+    """Print the solvers, with a line on each."""
+    with exit_codes():
+        from ._info import list_solvers
+
+        with telling():
+            typer.echo(list_solvers())
+
+
+@app.command()
+def convert(
+    robot: _options.Robot,
+    output: Annotated[Path, typer.Argument(help="The robot file to write: .toml.")],
+    base_link: _options.BaseLink = None,
+    tip_link: _options.TipLink = None,
+    tool: _options.Tool = None,
+    frame: _options.Frame = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Write a robot, such as one from a URDF, to a robot file."""
+    with exit_codes():
+        from ..jobs import RobotChoice
+
+        choice = RobotChoice(robot, base_link, tip_link, _options.tool(tool), frame)
+        arm = choice.load()
+        for note in arm.notes:
+            say(f"{arm.name}: {note}")
+        arm.save(output, force=force)
+        with telling(f"robot: {output}"):
+            typer.echo(f"robot: {output}")
+
+
+@app.command()
+def schema(
+    kind: Annotated[str, typer.Argument(help="robot or gains.")],
+) -> None:
+    """Print the JSON Schema of a kind of file, for editors."""
+    with exit_codes():
+        from ._schema import json_schema
+
+        text = json_schema(kind)
         with telling():
             typer.echo(text)
 
 
 @app.command()
 def tune(
-    robot: Annotated[str, typer.Argument(help="A bundled robot's name, or a .toml or .urdf file.")],
+    robot: _options.Robot,
     output: Annotated[Path, typer.Option("--output", "-o", help="Gain file: .toml or .json.")],
     solver: Annotated[
         str, typer.Option(help="state-space, static-gain or ik-pid.")
@@ -192,6 +350,10 @@ def tune(
             help="Poses: metres that a radian of error counts as; 0.3 of the reach if not given."
         ),
     ] = None,
+    base_link: _options.BaseLink = None,
+    tip_link: _options.TipLink = None,
+    tool: _options.Tool = None,
+    frame: _options.Frame = None,
     threads: Annotated[
         int | None, typer.Option(min=1, help="Threads; by default all cores.")
     ] = None,
@@ -206,8 +368,9 @@ def tune(
     written.
     """
     with exit_codes() as kept:
+        from ..jobs import RobotChoice
         from ..tuning import Tuning
-        from ._tune import tune_to_file, what_is_kept
+        from ._tune import comparison, tune_to_file, what_is_kept
 
         given = {
             "method": method,
@@ -229,7 +392,8 @@ def tune(
             **{name: value for name, value in given.items() if value is not None},
         )
         kept.what = lambda: what_is_kept(output)
-        content = tune_to_file(robot, tuning, output, force=force, resume=resume)
+        choice = RobotChoice(robot, base_link, tip_link, _options.tool(tool), frame)
+        content = tune_to_file(choice, tuning, output, force=force, resume=resume)
         kept.what = lambda: f"gains: {output}"
         success = content.success
         with telling(f"gains: {output}"):
@@ -238,7 +402,81 @@ def tune(
                     f"{success.solved} of {success.goals} goals kept apart are reached "
                     f"(training: {content.training.solved} of {content.training.goals})"
                 )
+            for line in comparison(content, choice, tuning):
+                typer.echo(line)
             typer.echo(f"gains: {output}")
+
+
+@app.command()
+def harvest(
+    scene: Annotated[Path, typer.Argument(help="Scene with targets: .json or .toml.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
+    robot: Annotated[
+        str, typer.Option(help="An arm on a slide with bodies: a name, .toml or .urdf.")
+    ] = "cucumber",
+    distance: Annotated[
+        str, typer.Option(help="exact, or tree: boxes as spheres, as in the paper.")
+    ] = "exact",
+    refine: Annotated[bool, typer.Option(help="Improve postures by a pattern search.")] = True,
+    recovery: Annotated[
+        bool, typer.Option(help="Go on after the best approach angle has failed.")
+    ] = True,
+    blockers: Annotated[bool, typer.Option(help="Name the leaves in the way.")] = True,
+    pictures: Annotated[bool, typer.Option(help="Draw pictures; needs Matplotlib.")] = True,
+    tilt_deg: Annotated[float, typer.Option(help="Tilt that the gripper tolerates, deg.")] = 0.0,
+    shift: Annotated[float, typer.Option(help="Shift along the fruit that it tolerates, m.")] = 0.0,
+    min_distance: Annotated[
+        float, typer.Option(help="Distance that postures keep from the crop, m.")
+    ] = 0.005,
+    threads: Annotated[
+        int | None, typer.Option(min=1, help="Threads; by default all cores.")
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Write into a folder that holds files.")
+    ] = False,
+) -> None:
+    """Decide for every fruit of a scene whether and how it can be picked.
+
+    Writes harvest.csv (one row a fruit), harvest.json and pictures: the share that can be
+    picked, why not the rest, and which leaves block it.
+    """
+    with exit_codes() as kept:
+        from ._harvest import check_folder, evaluate, lines
+        from .progress import for_stream
+
+        check_folder(output, force=force)
+        kept.what = lambda: f"files that were finished are in {output}"
+        with for_stream(sys.stderr) as bar:
+            done = 0
+
+            def advance(now: int, total: int) -> None:
+                nonlocal done
+                if done == 0:
+                    bar.start("fruits", total)
+                bar.advance(now - done)
+                done = now
+
+            found = evaluate(
+                scene,
+                robot,
+                distance,
+                refine=refine,
+                recovery=recovery,
+                blockers=blockers,
+                tilt_deg=tilt_deg,
+                shift=shift,
+                min_distance=min_distance,
+                threads=threads,
+                progress=advance,
+            )
+        from ..harvest import write_report
+
+        files = write_report(found, output, pictures=pictures, report=say)
+        for line in lines(found):
+            say(line)
+        with telling(f"files: {output}"):
+            for file in files:
+                typer.echo(str(file))
 
 
 @app.command()

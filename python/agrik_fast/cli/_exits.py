@@ -19,6 +19,8 @@ import typer
 BAD_ARGUMENTS = 2
 NOT_ALL_SOLVED = 3
 NO_MEMORY = 4
+PARTITIONS_FAILED = 4
+"""Of a cluster job, some are not there; the others are."""
 NOT_TOLD = 5
 """The work is done, but standard output is full."""
 FAULT = 70  # EX_SOFTWARE of sysexits.h

@@ -2,32 +2,62 @@
 
 from __future__ import annotations
 
+import inspect
 import math
-from collections.abc import Sequence
+import warnings
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from .. import solvers
+from .._files import brief
+from .._names import solver_names
+from ..collision import BodyShape, Box, Capsule, Convex, Cover, Sphere
+from ..errors import AgrikError, ArgumentError
 from ..robot import Robot
+from ._exits import say
+from ._tables import aligned
+
+# Solvers without settings of their own.
+_WITHOUT_CLASS = {"auto": "A closed form where the arm has one, and `lm` where that finds nothing."}
 
 
 def list_robots() -> str:
-    """Return the bundled robots, one a line, with their descriptions."""
-    names = Robot.names()
-    width = max(map(len, names))
-    return "\n".join(f"{name.ljust(width)}  {Robot.load(name).description}" for name in names)
+    """Return the robots that have names, one a line, with their descriptions."""
+    return _lines({name: _description(name) for name in Robot.names()})
 
 
-def describe(name_or_path: str) -> str:
-    """Return a robot's joints, limits, reach, DH rows, frames and source as text.
+def list_solvers() -> str:
+    """Return the solvers, one a line, with the first sentence on each."""
+    classes = [getattr(solvers, name) for name in solvers.__all__]
+    known = {each.name: each for each in classes if hasattr(each, "name")}
+    return _lines({name: _summary(known.get(name), name) for name in solver_names()})
 
-    Raises
-    ------
-    AgrikError
-        For an unknown name or a faulty file.
-    """
-    robot = Robot.load(name_or_path)
+
+def _summary(solver: type | None, name: str) -> str:
+    if solver is None:
+        return _WITHOUT_CLASS[name]
+    return (inspect.getdoc(solver) or "").partition("\n")[0]
+
+
+def _lines(words: Mapping[str, str]) -> str:
+    width = max(map(len, words))
+    return "\n".join(f"{name.ljust(width)}  {text}".rstrip() for name, text in words.items())
+
+
+def _description(name: str) -> str:
+    # A robot of another package may be broken; the list is there to say so.
+    try:
+        return Robot.load(name).description
+    except AgrikError as error:
+        return f"cannot be loaded: {brief(error)}"
+
+
+def describe(robot: Robot) -> str:
+    """Return a robot's joints, limits, reach, DH rows, frames and source as text."""
     blocks = [
         f"{robot.name}: {robot.description}" if robot.description else robot.name,
+        *(f"Note: {note}" for note in robot.notes),
         _joints(robot),
         _reach(robot),
     ]
@@ -46,17 +76,90 @@ def describe(name_or_path: str) -> str:
     return "\n\n".join(blocks)
 
 
+def no_robot() -> ArgumentError:
+    """Return the error of a question about bodies without a robot."""
+    return ArgumentError("ROBOT", "none", "a robot, whose bodies are to be told")
+
+
+def about_collisions(robot: Robot, *, body: bool, self_pairs: bool) -> str:
+    """Return a robot's bodies, or its self pairs, as text; warnings about them first.
+
+    Raises
+    ------
+    AgrikError
+        For a mesh that is missing.
+    """
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        known = robot.bodies
+    for warning in told:
+        say(f"agrik-fast: {warning.message}")
+    if not known:
+        return f"{robot.name} has no bodies"
+    blocks = [_bodies(robot)] if body else []
+    return "\n\n".join(blocks + ([_self_pairs(robot)] if self_pairs else []))
+
+
+_SHAPE_NAMES = {
+    Sphere: "sphere",
+    Capsule: "capsule",
+    Box: "box",
+    Convex: "convex",
+    Cover: "cover",
+}
+
+
+def _bodies(robot: Robot) -> str:
+    links = ["base", *robot.link_names]
+    rows = [["name", "frame", "shape", "size mm", "over mm", "from"]]
+    for body in robot.bodies:
+        over = "-" if body.overestimate is None else f"{1e3 * body.overestimate:.1f}"
+        frame = links[robot.frame_number(body.frame)]
+        shape = _SHAPE_NAMES[type(body.shape)]
+        rows.append([body.name, frame, shape, _size(body.shape), over, body.provenance])
+    # The last column is text of any length.
+    told = [row[:-1] for row in rows]
+    table = _table(f"Bodies of {robot.name} ({len(rows) - 1})", told).splitlines()
+    heading = "over: how far a body reaches out of what it stands for, - where nobody said"
+    return "\n".join(
+        [table[0], f"  {heading}"]
+        + [f"{line}  {row[-1]}".rstrip() for line, row in zip(table[1:], rows, strict=True)]
+    )
+
+
+def _size(shape: BodyShape) -> str:
+    def mm(value: float) -> str:
+        return f"{1e3 * value:.4g}"
+
+    match shape:
+        case Sphere():
+            return f"r {mm(shape.radius)}"
+        case Capsule():
+            return f"length {mm(math.dist(shape.a, shape.b))}, r {mm(shape.radius)}"
+        case Convex():
+            return f"{len(shape.vertices)} corners, r {mm(shape.radius)}"
+        case Cover():
+            sides = " x ".join(mm(2 * half) for half in shape.half)
+            return f"{sides}, {8**shape.level} spheres"
+        case Box():
+            rounding = f", r {mm(shape.radius)}" if shape.radius else ""
+            return " x ".join(mm(2 * half) for half in shape.half) + rounding
+
+
+def _self_pairs(robot: Robot) -> str:
+    pairs = robot.self_pairs
+    lines = [f"Pairs of bodies that are asked whether they hit each other ({len(pairs.asked)})"]
+    lines += [f"  {a} - {b}" for a, b in pairs.asked]
+    lines += ["", f"Pairs that are not ({len(pairs.excluded)})"]
+    for pair in pairs.excluded:
+        share = "" if pair.share is None else f", hitting in {pair.share:.1%} of 4,000 postures"
+        lines.append(f"  {pair.bodies[0]} - {pair.bodies[1]}: {pair.reason}{share}")
+    return "\n".join(lines)
+
+
 def _table(title: str, rows: Sequence[Sequence[str]]) -> str:
     """Return a title and rows in columns, the first one left-aligned."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = [
-        "  ".join(
-            cell.ljust(width) if k == 0 else cell.rjust(width)
-            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
-    return "\n".join([title, *(f"  {line}" for line in lines)])
+    return "\n".join([title, *aligned(rows, indent="  ")])
 
 
 def _joints(robot: Robot) -> str:

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
+from typing import Literal, cast
 
+from .._checks import word
+from ..collision import Scene
 from ..errors import ArgumentError, UnknownNameError
 from ..jobs import Progress, SolveRequest, Summary, solve_file
+from ..robot import PREFERENCES, Prefer
+from ._options import numbers
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -14,7 +20,15 @@ _OPTIONS = {
     "task": "--task",
     "position_tolerance": "--tol",
     "orientation_tolerance": "--tol-rad",
+    "tolerance_frame": "--tol-frame",
     "direction": "--direction",
+    "mask": "--mask",
+    "q0": "--q0",
+    "base_link": "--base-link",
+    "tip_link": "--tip-link",
+    "tool": "--tool",
+    "clear": "--clear",
+    "scene": "--scene",
 }
 
 
@@ -37,6 +51,80 @@ def parse_axis(option: str, text: str) -> tuple[float, float, float]:
         raise ArgumentError(option, repr(text), "x, y, z, -x, -y, -z or three numbers") from None
     if not all(map(math.isfinite, (x, y, z))) or not any((x, y, z)):
         raise ArgumentError(option, repr(text), "a finite vector that is not zero")
+    return (x, y, z)
+
+
+def parse_values(option: str, text: str) -> tuple[float, ...]:
+    """Return the joint values that a text such as "0,-1.57,0" holds, however many."""
+    return numbers(option, text, (text.count(",") + 1,))
+
+
+def parse_frame(option: str, text: str | None) -> Literal["base", "tool"] | None:
+    """Return the frame of that name.
+
+    Raises
+    ------
+    ArgumentError
+        For other texts.
+    """
+    if text is None:
+        return None
+    if text == "base":
+        return "base"
+    if text == "tool":
+        return "tool"
+    raise ArgumentError(option, repr(text), "base or tool")
+
+
+def load_scene(path: Path | None, aim: str | None) -> Scene | None:
+    """Return the scene of a file, aiming at one of its targets.
+
+    Raises
+    ------
+    AgrikError
+        For a faulty file, a target that it does not have, and one without a file.
+    """
+    if path is None:
+        if aim is not None:
+            raise ArgumentError("--aim", repr(aim), "--scene as well")
+        return None
+    try:
+        return Scene.load(path).aiming_at(aim)
+    except UnknownNameError:
+        raise
+    except ArgumentError as error:
+        option = "--scene" if error.argument == "path" else error.argument
+        raise ArgumentError(option, error.received, error.expected) from None
+
+
+def parse_preference(text: str) -> Prefer:
+    """Return the name of a preference.
+
+    Raises
+    ------
+    UnknownNameError
+        For any other name.
+    """
+    return cast("Prefer", word("--prefer", text, PREFERENCES))
+
+
+def parse_tolerance(option: str, text: str) -> float | tuple[float, float, float]:
+    """Return the number that "1e-3" names, or the three of "1e-3,1e-3,inf".
+
+    Raises
+    ------
+    ArgumentError
+        For other texts.
+    """
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) == 1:
+        return numbers[0]
+    if len(numbers) != 3:
+        raise ArgumentError(option, repr(text), "one number, or three with commas between them")
+    x, y, z = numbers
     return (x, y, z)
 
 

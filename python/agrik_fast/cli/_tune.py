@@ -14,10 +14,11 @@ import typer
 
 from .._atomic import AtomicFile
 from ..errors import ArgumentError, GainFileError
-from ..robot import Robot
+from ..jobs import RobotChoice
 from ..solvers.gain_file import GainFile, text, write
-from ..tuning import Report, Tuning, tune
-from ._exits import telling, write_line
+from ..tuning import Report, Tuning, trials, tune
+from ._exits import say, telling, write_line
+from ._tables import aligned
 from .progress import PLAIN_INTERVAL_S, Bar
 
 __all__ = ["tune_to_file"]
@@ -69,7 +70,7 @@ def reporting(stream: TextIO) -> Iterator[Callable[[Report], None]]:
 
 
 def tune_to_file(
-    robot: str, tuning: Tuning, output: Path, *, force: bool, resume: bool
+    robot: RobotChoice, tuning: Tuning, output: Path, *, force: bool, resume: bool
 ) -> GainFile:
     """Tune and write the gain file; returns its content.
 
@@ -86,7 +87,9 @@ def tune_to_file(
     # Before the search, not hours later.
     AtomicFile(output, partial(GainFileError, str(output)), force=force).discard()
     checkpoint = checkpoint_of(output)
-    arm = Robot.load(robot)
+    arm = robot.load()
+    for note in arm.notes:
+        say(f"{arm.name}: {note}")
 
     def store(content: GainFile) -> None:
         try:
@@ -101,6 +104,18 @@ def tune_to_file(
 
     with reporting(sys.stderr) as report:
         return tune(arm, tuning, checkpoint=checkpoint, resume=resume, report=report, store=store)
+
+
+def comparison(content: GainFile, robot: RobotChoice, tuning: Tuning) -> list[str]:
+    """Return lines that set tuned gains beside the default and the published ones.
+
+    All are tried with the same start, steps and tolerance on the goals kept apart.
+    """
+    rows = [["gains", "solved", "of", "mean steps"]]
+    for name, table in trials(content, robot.load(), tuning).items():
+        mean = "-" if table.mean_iterations is None else f"{table.mean_iterations:.1f}"
+        rows.append([name, str(table.solved), str(table.goals), mean])
+    return aligned(rows)
 
 
 def checkpoint_of(output: Path) -> Path:

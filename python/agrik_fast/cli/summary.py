@@ -9,6 +9,7 @@ import numpy as np
 
 from ..jobs import Summary
 from ..result import Status
+from ._tables import aligned
 
 # Statuses that have a column in any case; the others have one where some row has them.
 _ALWAYS = (Status.CONVERGED, Status.OUT_OF_REACH, Status.NOT_FOUND, Status.BAD_INPUT)
@@ -104,10 +105,5 @@ def _sentences(headings: Sequence[str], row: Sequence[str]) -> str:
 
 
 def _print_plain(lines: Sequence[Sequence[str]], stream: TextIO) -> None:
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    for line in lines:
-        padded = [
-            cell.ljust(width) if k < _TEXT_COLUMNS else cell.rjust(width)
-            for k, (cell, width) in enumerate(zip(line, widths, strict=True))
-        ]
-        print("  ".join(padded).rstrip(), file=stream)
+    for line in aligned(lines, _TEXT_COLUMNS):
+        print(line, file=stream)

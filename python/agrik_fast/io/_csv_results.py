@@ -6,37 +6,39 @@ import csv
 import io
 from pathlib import Path
 
-from ._records import FIXED_COLUMNS, STATUS_NAMES, ResultChunk, ResultLayout
+import numpy as np
+
+from .._native import csv_lines
+from ._records import STATUS_NAMES, ResultChunk, ResultLayout, scene_columns
 from ._writer import ResultWriter
 
 
 class CsvWriter(ResultWriter):
-    """One line a row; Python's shortest float text, which reads back to the same bits."""
+    """One line a row; the shortest text of a number that reads back to the same bits."""
 
     def __init__(self, path: Path, layout: ResultLayout, *, force: bool) -> None:
         super().__init__(path, layout, force=force)
-        self._text = io.TextIOWrapper(
-            self._file.stream, encoding="utf-8", newline="", write_through=False
-        )
-        self._lines = csv.writer(self._text, lineterminator="\n")
-        self._lines.writerow(["id", *layout.joint_columns, *FIXED_COLUMNS])
+        head = io.StringIO()
+        csv.writer(head, lineterminator="\n").writerow(layout.columns)
+        self._file.stream.write(head.getvalue().encode())
 
     def _write(self, chunk: ResultChunk) -> None:
-        self._lines.writerows(
-            (row_id, *q, STATUS_NAMES[status], "true" if success else "false", *rest)
-            for row_id, q, status, success, *rest in zip(
-                chunk.ids.tolist(),
-                chunk.q.tolist(),
-                chunk.status.tolist(),
-                chunk.success.tolist(),
-                chunk.position_error.tolist(),
-                chunk.orientation_error.tolist(),
-                chunk.iterations.tolist(),
-                chunk.restarts.tolist(),
-                strict=True,
-            )
-        )
+        ids = chunk.ids.tolist() if chunk.ids.dtype.kind == "U" else chunk.ids.astype(np.int64)
+        columns = [
+            ids,
+            *(np.ascontiguousarray(column) for column in chunk.q.T),
+            [STATUS_NAMES[code] for code in chunk.status.tolist()],
+            chunk.success,
+            chunk.position_error,
+            chunk.orientation_error,
+            chunk.iterations.astype(np.int64),
+            chunk.restarts.astype(np.int64),
+        ]
+        scene = scene_columns(self.layout, chunk)
+        if scene is not None:
+            clearance, body, thing = scene
+            columns += [clearance, body.tolist(), thing.tolist()]
+        self._file.stream.write(csv_lines(columns))
 
     def _finish(self) -> None:
-        self._text.flush()
-        self._text.detach()
+        pass

@@ -10,12 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._npy import header_bytes
-from ._records import STATUS_NAMES, ResultChunk, ResultLayout
+from ._records import (
+    SCENE_COLUMNS,
+    STATUS_NAMES,
+    ResultChunk,
+    ResultLayout,
+    scene_columns,
+)
 from ._writer import ResultWriter
 
 
 def record_dtype(layout: ResultLayout, id_dtype: np.dtype[Any]) -> np.dtype[Any]:
     """Return the structured type of one result row."""
+    kinds = (np.float64, *2 * (f"<U{layout.name_letters}",))
     return np.dtype(
         [
             ("id", id_dtype),
@@ -26,6 +33,7 @@ def record_dtype(layout: ResultLayout, id_dtype: np.dtype[Any]) -> np.dtype[Any]
             ("orientation_error_rad", np.float64),
             ("iterations", np.int32),
             ("restarts", np.int32),
+            *(zip(SCENE_COLUMNS, kinds, strict=True) if layout.name_letters else ()),
         ]
     )
 
@@ -42,6 +50,8 @@ def records(layout: ResultLayout, chunk: ResultChunk) -> NDArray[Any]:
     out["orientation_error_rad"] = chunk.orientation_error
     out["iterations"] = chunk.iterations
     out["restarts"] = chunk.restarts
+    for name, column in zip(SCENE_COLUMNS, scene_columns(layout, chunk) or (), strict=False):
+        out[name] = column
     return out
 
 
@@ -94,20 +104,21 @@ class NpzWriter(ResultWriter):
         self._gathered.append(chunk)
 
     def _finish(self) -> None:
-        def joined(name: str) -> NDArray[Any]:
-            return np.concatenate([getattr(chunk, name) for chunk in self._gathered])
-
+        joined = ResultChunk.joined(self._gathered)
+        columns = scene_columns(self.layout, joined) or ()
+        scene: dict[str, Any] = dict(zip(SCENE_COLUMNS, columns, strict=False))
         np.savez_compressed(
             cast(Any, self._file.stream),
-            id=joined("ids"),
-            q=joined("q"),
+            id=joined.ids,
+            q=joined.q,
             joint_columns=np.array(self.layout.joint_columns),
-            status=joined("status").astype(np.int8),
+            status=joined.status.astype(np.int8),
             status_names=np.array(STATUS_NAMES),
-            success=joined("success"),
-            position_error_m=joined("position_error"),
-            orientation_error_rad=joined("orientation_error"),
-            iterations=joined("iterations"),
-            restarts=joined("restarts"),
+            success=joined.success,
+            position_error_m=joined.position_error,
+            orientation_error_rad=joined.orientation_error,
+            iterations=joined.iterations,
+            restarts=joined.restarts,
+            **scene,
             metadata=np.array(json.dumps(self.layout.metadata, sort_keys=True)),
         )

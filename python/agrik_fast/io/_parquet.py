@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from .._files import Refusal, reading
 from .._npy import BOMB_BYTES, BOMB_RATIO
@@ -24,14 +24,14 @@ def import_pyarrow(refuse: Refusal) -> Any:
     return pyarrow
 
 
-def open_file(path: Path, refuse: Refusal) -> Any:
-    """Return the open file, a `pyarrow.parquet.ParquetFile`."""
+def open_parquet(source: Path | BinaryIO, refuse: Refusal) -> Any:
+    """Return the open file, a `pyarrow.parquet.ParquetFile`, of a path or a stream."""
     import_pyarrow(refuse)
     from pyarrow import parquet
 
     # Columns are read piece by piece; otherwise whole row groups would be held, and a row
     # group may be the whole file.
-    make = partial(parquet.ParquetFile, path, buffer_size=BUFFER_BYTES, pre_buffer=False)
+    make = partial(parquet.ParquetFile, source, buffer_size=BUFFER_BYTES, pre_buffer=False)
     with reading(refuse, WHAT):
         file = make()
         names = file.schema_arrow.names
@@ -48,10 +48,19 @@ def _is_text(kind: Any) -> bool:
     return bool(types.is_string(kind) or types.is_large_string(kind))
 
 
-def check_sizes(file: Any, path: Path, refuse: Refusal) -> None:
-    """Refuse a file that claims to unpack to far more than its size."""
+def parquet_writer(stream: Any, schema: Any) -> Any:
+    """Return a `pyarrow.parquet.ParquetWriter` to a stream; of a table it makes a row group."""
+    import pyarrow
+    from pyarrow import parquet
+
+    # A dictionary pays for the few status names, not for numbers that never repeat.
+    words = [field.name for field in schema if pyarrow.types.is_dictionary(field.type)]
+    return parquet.ParquetWriter(stream, schema, use_dictionary=words)
+
+
+def check_parquet_sizes(file: Any, packed: int, refuse: Refusal) -> None:
+    """Refuse a file of `packed` bytes that claims to unpack to far more than its size."""
     with reading(refuse, WHAT):
-        packed = path.stat().st_size
         # The sizes of single columns are not asked for: damaged ones end the process, as an
         # exception of the library that nobody catches.
         groups = (file.metadata.row_group(k) for k in range(file.metadata.num_row_groups))

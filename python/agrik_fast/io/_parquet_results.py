@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from ._arrow import ResultTable
 from ._errors import ResultFileError
-from ._records import METADATA_PREFIX, STATUS_NAMES, ResultChunk, ResultLayout
+from ._parquet import parquet_writer
+from ._records import ResultChunk, ResultLayout
 from ._writer import ResultWriter
 
 
@@ -17,52 +18,12 @@ class ParquetWriter(ResultWriter):
     """The CSV's columns with types; the status as a dictionary of the names."""
 
     def __init__(self, path: Path, layout: ResultLayout, *, force: bool) -> None:
-        try:
-            import pyarrow
-            from pyarrow import parquet
-        except ImportError as error:
-            raise ResultFileError(
-                path, "Parquet files need pyarrow: pip install 'agrik-fast[parquet]'"
-            ) from error
+        self._table = ResultTable(layout, partial(ResultFileError, path))
         super().__init__(path, layout, force=force)
-        self._pyarrow: Any = pyarrow
-        metadata = {METADATA_PREFIX + key: value for key, value in layout.metadata.items()}
-        self._schema: Any = pyarrow.schema(
-            [
-                ("id", pyarrow.string() if layout.text_ids else pyarrow.int64()),
-                *((name, pyarrow.float64()) for name in layout.joint_columns),
-                ("status", pyarrow.dictionary(pyarrow.int8(), pyarrow.string())),
-                ("success", pyarrow.bool_()),
-                ("position_error_m", pyarrow.float64()),
-                ("orientation_error_rad", pyarrow.float64()),
-                ("iterations", pyarrow.int32()),
-                ("restarts", pyarrow.int32()),
-            ],
-            metadata=metadata,
-        )
-        self._writer: Any = parquet.ParquetWriter(
-            # A dictionary pays for the few status names, not for numbers that never repeat.
-            self._file.stream,
-            self._schema,
-            use_dictionary=["status"],
-        )
+        self._writer: Any = parquet_writer(self._file.stream, self._table.schema)
 
     def _write(self, chunk: ResultChunk) -> None:
-        array = self._pyarrow.array
-        status = self._pyarrow.DictionaryArray.from_arrays(
-            array(chunk.status.astype(np.int8)), array(list(STATUS_NAMES))
-        )
-        columns = [
-            array(chunk.ids.tolist() if self.layout.text_ids else chunk.ids),
-            *(array(np.ascontiguousarray(chunk.q[:, k])) for k in range(chunk.q.shape[1])),
-            status,
-            array(chunk.success),
-            array(chunk.position_error),
-            array(chunk.orientation_error),
-            array(chunk.iterations.astype(np.int32)),
-            array(chunk.restarts.astype(np.int32)),
-        ]
-        self._writer.write_table(self._pyarrow.Table.from_arrays(columns, schema=self._schema))
+        self._writer.write_table(self._table.table(chunk))
 
     def _finish(self) -> None:
         self._writer.close()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,24 +16,35 @@ from .._npy import Archive, read_array
 from ._csv_rows import CsvRows
 from ._errors import ResultFileError
 from ._ids import check_text, check_width, checked
-from ._parquet import WHAT, check_sizes, open_file
+from ._parquet import WHAT, check_parquet_sizes, open_parquet
+from ._reader import CHUNK_BYTES
 from ._records import (
     FIXED_COLUMNS,
     METADATA_PREFIX,
+    SCENE_COLUMNS,
     STATUS_NAMES,
     ResultChunk,
     ResultLayout,
+    SceneColumns,
 )
 
 Columns = dict[str, NDArray[Any]]
 _NO_RESULT = "is not a result file"
-# Lines of a CSV file that are texts at a time.
+# Lines of a CSV file that are read at a time.
 _BLOCK = 65_536
 _TYPES: Mapping[str, Any] = {
     "status": np.int8,
     "success": np.bool_,
     "iterations": np.int32,
     "restarts": np.int32,
+}
+
+
+# Columns of texts, and the texts that may stand in them.
+_WORDS: Mapping[str, Sequence[str]] = {
+    "id": (),
+    "status": STATUS_NAMES,
+    "success": ("false", "true"),
 }
 
 
@@ -53,7 +64,13 @@ def _joints(names: Sequence[str], refuse: Refusal) -> tuple[str, ...]:
         raise refuse(f"{_NO_RESULT}: missing '{missing[0]}'; found {listing(names) or 'nothing'}")
     if len(set(names)) < len(names):
         raise refuse(f"{_NO_RESULT}: a column appears twice")
-    return tuple(name for name in names if name != "id" and name not in FIXED_COLUMNS)
+    others = ("id", *FIXED_COLUMNS, *_scene_names(names))
+    return tuple(name for name in names if name not in others)
+
+
+def _scene_names(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the columns on a scene, if a header has all of them."""
+    return SCENE_COLUMNS if set(SCENE_COLUMNS) <= set(names) else ()
 
 
 def _assemble(
@@ -65,9 +82,10 @@ def _assemble(
         column = columns[name]
         if column.shape != (count,):
             raise refuse(f"'{name}' of shape {column.shape}, expected ({count},)")
-        wanted = "b" if name == "success" else "fiu"
+        texts = _scene_names(names)[1:]
+        wanted = "b" if name == "success" else "U" if name in texts else "fiu"
         if name != "id" and column.dtype.kind not in wanted:
-            expected = "true or false" if name == "success" else "numbers"
+            expected = {"b": "true or false", "U": "text"}.get(wanted, "numbers")
             raise refuse(f"'{name}' holds {shown(column.dtype)}, expected {expected}")
     check_width(columns["id"].dtype, "'id'", refuse)
     for name, most in (("status", len(STATUS_NAMES) - 1), ("success", 1)):
@@ -77,6 +95,13 @@ def _assemble(
             continue
         row = int(np.argmax(wrong))
         raise refuse(f"row {row + 1}, '{name}': expected a code from 0 to {most}, got {codes[row]}")
+    scene, letters = None, 0
+    if _scene_names(names):
+        for name in SCENE_COLUMNS[1:]:
+            check_width(columns[name].dtype, f"'{name}'", refuse)
+        clearance, body, thing = (columns[name] for name in SCENE_COLUMNS)
+        scene = SceneColumns(clearance.astype(np.float64), body, thing)
+        letters = max(1, *(column.dtype.itemsize // 4 for column in (body, thing)))
     q = [columns[name].astype(np.float64) for name in joints]
     chunk = ResultChunk(
         ids=checked(columns["id"], 0, refuse),
@@ -87,61 +112,48 @@ def _assemble(
         orientation_error=columns["orientation_error_rad"],
         iterations=columns["iterations"],
         restarts=columns["restarts"],
+        scene=scene,
     )
-    return ResultLayout(joints, columns["id"].dtype.kind == "U", metadata), chunk
+    return ResultLayout(joints, columns["id"].dtype.kind == "U", metadata, letters), chunk
 
 
 Read = tuple[Sequence[str], Columns, dict[str, str]]
 
 
 def _csv(path: Path, refuse: Refusal) -> Read:
-    with reading(refuse, _NO_RESULT):
-        stream = path.open(encoding="utf-8", newline="")
-    with stream:
-        rows = iter(CsvRows(path, stream, refuse))
-        header = next(rows, None)
-        if header is None:
-            raise refuse(f"{_NO_RESULT}: the file is empty")
-        names = header[1]
-        _joints(names, refuse)
-        blocks = list(_csv_blocks(names, rows, refuse))
-    empty = [{name: _column(name, []) for name in names}]
-    joined = {name: np.concatenate([block[name] for block in blocks or empty]) for name in names}
+    rows = CsvRows(path, refuse)
+    names = list(rows.header)
+    if not names:
+        raise refuse(f"{_NO_RESULT}: the file is empty")
+    _joints(names, refuse)
+    words = [names.index(name) for name in _WORDS]
+    numeric = [at for at in range(len(names)) if at not in words]
+    blocks = []
+    while True:
+        numbers, texts, lines = rows.block(_BLOCK, CHUNK_BYTES, numeric, words)
+        columns: Columns = {names[at]: numbers[:, k] for k, at in enumerate(numeric)}
+        for name, column in zip(_WORDS, texts, strict=True):
+            columns[name] = _words(name, column, lines, refuse)
+        blocks.append(columns)
+        if not lines:
+            break
+    joined = {name: np.concatenate([block[name] for block in blocks]) for name in names}
+    for name, kind in _TYPES.items():
+        joined[name] = joined[name].astype(kind)
     return names, joined, {}
 
 
-def _csv_blocks(
-    names: Sequence[str], rows: Iterator[tuple[int, list[str], int]], refuse: Refusal
-) -> Iterator[Columns]:
-    block: list[list[str]] = []
-    id_at = names.index("id")
-    for line, fields, _ in rows:
-        if len(fields) != len(names):
-            raise refuse(f"line {line}: {len(fields)} fields, expected {len(names)}")
-        check_text(fields[id_at], f"line {line}, 'id'", refuse)
-        block.append(fields)
-        if len(block) == _BLOCK:
-            yield _csv_columns(names, block, line, refuse)
-            block = []
-    if block:
-        yield _csv_columns(names, block, line, refuse)
-
-
-def _csv_columns(
-    names: Sequence[str], block: list[list[str]], line: int, refuse: Refusal
-) -> Columns:
-    columns: Columns = {}
-    for name, texts in zip(names, zip(*block, strict=True), strict=True):
-        try:
-            columns[name] = _column(name, texts)
-        except (ValueError, OverflowError) as error:
-            first = line - len(block) + 1
-            raise refuse(f"lines {first} to {line}, '{name}': {shown(str(error))}") from None
-    return columns
+def _words(name: str, texts: list[str], lines: list[int], refuse: Refusal) -> NDArray[Any]:
+    for text, line in zip(texts, lines, strict=True):
+        if name == "id":
+            check_text(text, f"line {line}, 'id'", refuse)
+        elif text not in _WORDS[name]:
+            raise refuse(f"line {line}, '{name}': expected one of {', '.join(_WORDS[name])}")
+    return _column(name, texts)
 
 
 def _column(name: str, texts: Sequence[str]) -> NDArray[Any]:
-    if name == "id":
+    if name == "id" or name in SCENE_COLUMNS[1:]:
         return np.array(texts, dtype=np.str_)
     if name == "status":
         return np.array([STATUS_NAMES.index(word) for word in texts], dtype=np.int8)
@@ -159,7 +171,8 @@ def _npy(path: Path, refuse: Refusal) -> Read:
 
 def _npz(path: Path, refuse: Refusal) -> Read:
     with Archive(path, refuse) as archive:
-        columns = {name: archive.array(name) for name in ("id", *FIXED_COLUMNS)}
+        scene = _scene_names(archive.names)
+        columns = {name: archive.array(name) for name in ("id", *FIXED_COLUMNS, *scene)}
         joints = archive.array("joint_columns")
         q = archive.array("q")
         text = archive.array("metadata")
@@ -172,19 +185,19 @@ def _npz(path: Path, refuse: Refusal) -> Read:
     with reading(refuse, "'joint_columns' is damaged"):
         names = [str(name) for name in joints.tolist()]
     columns.update({name: q[:, k] for k, name in enumerate(names)})
-    return ["id", *names, *FIXED_COLUMNS], columns, metadata
+    return ["id", *names, *FIXED_COLUMNS, *scene], columns, metadata
 
 
 def _parquet(path: Path, refuse: Refusal) -> Read:
-    with open_file(path, refuse) as file, reading(refuse, WHAT):
+    with open_parquet(path, refuse) as file, reading(refuse, WHAT):
         names = list(file.schema_arrow.names)
         _joints(names, refuse)
-        check_sizes(file, path, refuse)
+        check_parquet_sizes(file, path.stat().st_size, refuse)
         table = file.read()
         columns: Columns = {}
         for name in names:
             column = table.column(name)
-            if name == "status":
+            if name == "status" or name in _scene_names(names)[1:]:
                 columns[name] = _column(name, column.to_pylist())
             elif name == "id":
                 columns[name] = _parquet_ids(column, refuse)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..result import Status
+from ..result import IkResult, Status
 
 STATUS_NAMES = tuple(status.name.lower() for status in Status)
 """Names of the statuses in files, in the order of their codes."""
@@ -23,6 +23,9 @@ FIXED_COLUMNS = (
     "restarts",
 )
 """Columns of every result file, after the row's id and its joint values."""
+
+SCENE_COLUMNS = ("clearance_m", "body", "object")
+"""Columns after those, of results that were to keep clear of a scene."""
 
 METADATA_PREFIX = "agrik_fast."
 """What the keys of a Parquet schema's metadata begin with."""
@@ -62,11 +65,20 @@ class ResultLayout:
         True if the row ids are text.
     metadata : dict of str
         How the results were made (robot, task, solver, seed, ...); kept in NPZ and Parquet.
+    name_letters : int
+        Letters of the longest name in the columns on a scene; 0 where there are none.
     """
 
     joint_columns: tuple[str, ...]
     text_ids: bool = False
     metadata: dict[str, str] = field(default_factory=dict)
+    name_letters: int = 0
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of all columns, in order."""
+        scene = SCENE_COLUMNS if self.name_letters else ()
+        return ("id", *self.joint_columns, *FIXED_COLUMNS, *scene)
 
     @staticmethod
     def joint_names(names: Sequence[str], types: Sequence[str]) -> tuple[str, ...]:
@@ -75,6 +87,32 @@ class ResultLayout:
             f"{name}_{'m' if kind == 'prismatic' else 'rad'}"
             for name, kind in zip(names, types, strict=True)
         )
+
+
+@dataclass(frozen=True)
+class SceneColumns:
+    """What answers are nearest to in a scene.
+
+    Attributes
+    ----------
+    clearance : ndarray, shape (n,), m
+        Distance of the nearest collision; 0 or less in contact, infinite for none.
+    body, object : ndarray of text, shape (n,)
+        Names of the body and of the object, or other body, that it is nearest to.
+    """
+
+    clearance: NDArray[np.float64]
+    body: NDArray[np.str_]
+    object: NDArray[np.str_]
+
+    @classmethod
+    def of(cls, result: IkResult) -> SceneColumns | None:
+        """Return what answers are nearest to; None without a scene."""
+        clearance, pairs = result.clearance, result.nearest_pair
+        if clearance is None or pairs is None:
+            return None
+        body, thing = pairs.astype(np.str_).T
+        return cls(clearance, body, thing)
 
 
 @dataclass(frozen=True)
@@ -93,6 +131,8 @@ class ResultChunk:
     position_error : ndarray, shape (n,), m
     orientation_error : ndarray, shape (n,), rad
     iterations, restarts : ndarray, shape (n,)
+    scene : SceneColumns or None
+        What they are nearest to, of answers that were to keep clear of a scene.
     """
 
     ids: NDArray[Any]
@@ -103,6 +143,54 @@ class ResultChunk:
     orientation_error: NDArray[np.float64]
     iterations: NDArray[np.integer[Any]]
     restarts: NDArray[np.integer[Any]]
+    scene: SceneColumns | None = None
+
+    @classmethod
+    def of(cls, result: IkResult, ids: NDArray[Any]) -> ResultChunk:
+        """Return what the solver found for rows of these ids."""
+        return cls(
+            ids=ids,
+            q=result.q,
+            status=result.status,
+            success=result.success,
+            position_error=result.position_error,
+            orientation_error=result.orientation_error,
+            iterations=result.iterations,
+            restarts=result.restarts,
+            scene=SceneColumns.of(result),
+        )
 
     def __len__(self) -> int:
         return len(self.status)
+
+    @staticmethod
+    def joined(chunks: Sequence[ResultChunk]) -> ResultChunk:
+        """Return chunks that follow one another as one."""
+
+        def whole(parts: Sequence[Any], name: str) -> NDArray[Any]:
+            return np.concatenate([getattr(part, name) for part in parts])
+
+        names = [name for name in ResultChunk.__dataclass_fields__ if name != "scene"]
+        scenes = [chunk.scene for chunk in chunks if chunk.scene is not None]
+        scene = None
+        if scenes:
+            fields = SceneColumns.__dataclass_fields__
+            scene = SceneColumns(**{name: whole(scenes, name) for name in fields})
+        return ResultChunk(**{name: whole(chunks, name) for name in names}, scene=scene)
+
+
+def scene_columns(
+    layout: ResultLayout, chunk: ResultChunk
+) -> tuple[NDArray[np.float64], NDArray[np.str_], NDArray[np.str_]] | None:
+    """Return the columns on a scene in the order of `SCENE_COLUMNS`; None where there are none.
+
+    Raises
+    ------
+    ValueError
+        The layout has such columns and the chunk has none, or the other way round.
+    """
+    if bool(layout.name_letters) != (chunk.scene is not None):
+        raise ValueError("a layout with columns on a scene belongs to chunks that have them")
+    if chunk.scene is None:
+        return None
+    return chunk.scene.clearance, chunk.scene.body, chunk.scene.object

@@ -31,7 +31,8 @@ def open_results(path: Path | str, layout: ResultLayout, *, force: bool = False)
     """Start a result file; the kind follows from the suffix.
 
     Every kind holds, in this order: ``id``, the joint values by name and unit, ``status``,
-    ``success``, ``position_error_m``, ``orientation_error_rad``, ``iterations``, ``restarts``.
+    ``success``, ``position_error_m``, ``orientation_error_rad``, ``iterations``, ``restarts``;
+    with a scene also ``clearance_m``, ``body`` and ``object``, which is nearest to what.
 
     * ``.csv``: a header line; status by name, success as true or false, floats that read
       back to the same bits.

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from .._background import ahead
 from ..io import ResultChunk, TargetChunk
-from ..result import IkResult
 
 # A piece is what one call of the solver gets: long enough to keep every core busy, short
 # enough that the bar moves.
@@ -27,8 +26,8 @@ CHUNKS_AHEAD = 2
 PIECES_AHEAD = 4
 
 
-Solve = Callable[[NDArray[np.float64], int], IkResult]
-"""Solves targets, the first of which has an index within the file."""
+Solve = Callable[[NDArray[np.float64], int, NDArray[Any]], ResultChunk]
+"""Solves targets, the first of which has an index within the file, and which have ids."""
 
 
 class Pipeline:
@@ -53,41 +52,28 @@ class Pipeline:
         self._size = FIRST_PIECE
         self.solve_s = 0.0
 
-    def pieces(self) -> Generator[ResultChunk]:
-        """Return the results in order; closing the generator ends the threads."""
+    def pieces(self) -> Generator[tuple[int, ResultChunk]]:
+        """Return numbers of targets and their results, in order; closing ends the threads."""
         read = ahead(self._chunks, CHUNKS_AHEAD, "agrik-fast-read")
         return ahead(self._solved(read), PIECES_AHEAD, "agrik-fast-solve")
 
-    def _solved(self, chunks: Generator[TargetChunk]) -> Generator[ResultChunk]:
+    def _solved(self, chunks: Generator[TargetChunk]) -> Generator[tuple[int, ResultChunk]]:
         try:
             for chunk in chunks:
                 yield from self._solved_chunk(chunk)
         finally:
             chunks.close()
 
-    def _solved_chunk(self, chunk: TargetChunk) -> Generator[ResultChunk]:
+    def _solved_chunk(self, chunk: TargetChunk) -> Generator[tuple[int, ResultChunk]]:
         at = 0
         while at < len(chunk):
             part = slice(at, at + self._size)
             started = time.perf_counter()
-            result = self._solve(chunk.targets[part], chunk.first + at)
-            piece = _as_chunk(result, chunk.ids[part])
+            targets = chunk.targets[part]
+            piece = self._solve(targets, chunk.first + at, chunk.ids[part])
             took = time.perf_counter() - started
             self.solve_s += took
-            at += len(piece)
-            fit = int(len(piece) * PIECE_S / max(took, 1e-6))
+            at += len(targets)
+            fit = int(len(targets) * PIECE_S / max(took, 1e-6))
             self._size = max(1, min(fit, 8 * self._size, LARGEST_PIECE))
-            yield piece
-
-
-def _as_chunk(result: IkResult, ids: NDArray[Any]) -> ResultChunk:
-    return ResultChunk(
-        ids=ids,
-        q=result.q,
-        status=result.status,
-        success=result.success,
-        position_error=result.position_error,
-        orientation_error=result.orientation_error,
-        iterations=result.iterations,
-        restarts=result.restarts,
-    )
+            yield len(targets), piece

@@ -6,34 +6,33 @@ import contextlib
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._native import __version__
-from ..errors import ArgumentError, UnknownNameError
+from ..errors import ArgumentError
 from ..io import (
     ResultChunk,
     ResultFileError,
     ResultLayout,
-    TargetReader,
     check_result_path,
     open_results,
     read_targets,
 )
-from ..result import IkResult
-from ..robot import Robot
-from ..tasks import Axis
+from ..robot import Prefer, Robot, SceneOf
+from ._one_row_a_branch import as_rows
 from ._pipeline import Pipeline, Solve
 from ._progress import Progress, Silent
+from ._robot_choice import RobotChoice
 from ._summary import Summary
+from ._task import JobTask, Vector, check_tolerances, choose_task, task_words
 
 # Rows that are written in one go, fewer where ids are long; a Parquet file gets a row group
 # of them.
 WRITE_ROWS = 65_536
 WRITE_ID_BYTES = 32 << 20
-Vector = tuple[float, float, float]
-TASKS = ("position", "pose", "axis")
 
 
 @dataclass(frozen=True)
@@ -46,14 +45,17 @@ class SolveRequest:
         Bundled name or path.
     targets, output : Path
         Files, whose kinds follow from their suffixes.
-    task : {"position", "pose", "axis"}, optional
-        None: pose if the targets have orientations.
+    task : {"position", "pose", "axis", "masked", "position-first"}, optional
+        None: masked with a mask, else pose if the targets have orientations.
     solver : str
         A solver's name, see `Robot.ik`.
-    position_tolerance : float, m
-        Largest distance between tool point and target; above 0.
-    orientation_tolerance : float, rad
-        Largest angle between tool and target orientation; above 0.
+    position_tolerance : float or tuple of 3 float, m
+        Largest distance between tool point and target, or along each axis; above 0, as for
+        `Robot.ik`.
+    orientation_tolerance : float or tuple of 3 float, rad
+        Largest angle between tool and target orientation, or about each axis; above 0.
+    tolerance_frame : {"base", "tool"}, optional
+        Whose axes these are; None: the base's.
     tool_axis : tuple of 3 float
         Axis task: the axis, in the tool frame.
     direction : tuple of 3 float, optional
@@ -64,6 +66,26 @@ class SolveRequest:
         Number of threads, as for `Robot.ik`.
     force : bool
         Replace an existing result.
+    base_link, tip_link, tool, frame
+        The robot's links, tool and frame, as for `RobotChoice`.
+    q0 : tuple of float, optional
+        Start values, rad or m, of every row's first attempt.
+    mask : tuple of 6 float, optional
+        Weights of the errors along and about x, y, z: the task "masked", see
+        `agrik_fast.tasks.Masked`.
+    mask_frame : {"base", "tool"}
+        Frame in which they are counted.
+    scene : Scene, optional
+        What answers must not hit, as for `Robot.ik`.
+    scene_name : str
+        What the results call the scene.
+    clear : float, m
+        Distance that answers keep from it.
+    prefer : {"first", "near", "clearance"}
+        Which of several free postures.
+    all_branches : bool
+        One row for each branch of a target that `Robot.ik_all` finds within the limits, in
+        place of the answer of a solver.
     """
 
     robot: str
@@ -71,35 +93,31 @@ class SolveRequest:
     output: Path
     task: str | None = None
     solver: str = "lm"
-    position_tolerance: float = 1e-6
-    orientation_tolerance: float = 1e-6
+    position_tolerance: float | Vector = 1e-6
+    orientation_tolerance: float | Vector = 1e-6
+    tolerance_frame: Literal["base", "tool"] | None = None
     tool_axis: Vector = (0.0, 0.0, 1.0)
     direction: Vector | None = None
     seed: int = 0
     threads: int | None = None
     force: bool = False
+    scene: SceneOf | None = None
+    scene_name: str = ""
+    clear: float = 0.0
+    prefer: Prefer = "first"
+    base_link: str | None = None
+    tip_link: str | None = None
+    tool: tuple[float, ...] | None = None
+    frame: str | None = None
+    q0: tuple[float, ...] | None = None
+    mask: tuple[float, ...] | None = None
+    mask_frame: Literal["base", "tool"] = "base"
+    all_branches: bool = False
 
-
-def choose_task(request: SolveRequest, reader: TargetReader) -> tuple[str, str | Axis]:
-    """Return the task's name and what `Robot.ik` gets for it.
-
-    Raises
-    ------
-    ArgumentError
-        For an unknown task, or one that needs orientations the targets do not have.
-    """
-    name = request.task or ("pose" if reader.is_pose else "position")
-    if name not in TASKS:
-        raise UnknownNameError("task", name, TASKS)
-    if name == "pose" and not reader.is_pose:
-        raise ArgumentError("task", "targets without orientation", "orientations for a pose task")
-    if name != "axis":
-        if request.direction is not None:
-            raise ArgumentError("direction", f"task '{name}'", "task 'axis'")
-        return name, name
-    if request.direction is None and not reader.is_pose:
-        raise ArgumentError("direction", "nothing", "one, as the targets are points")
-    return name, Axis(tool_axis=request.tool_axis, direction=request.direction)
+    @property
+    def choice(self) -> RobotChoice:
+        """The robot."""
+        return RobotChoice(self.robot, self.base_link, self.tip_link, self.tool, self.frame)
 
 
 def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summary:
@@ -127,61 +145,91 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     started = time.perf_counter()
     progress = Silent() if progress is None else progress
     check_result_path(request.output)
-    for name, value in (
-        ("position_tolerance", request.position_tolerance),
-        ("orientation_tolerance", request.orientation_tolerance),
-    ):
-        if not (np.isfinite(value) and value > 0.0):
-            raise ArgumentError(name, repr(value), "a positive number")
-    robot = Robot.load(request.robot)
+    check_tolerances(request)
+    if not (np.isfinite(request.clear) and request.clear >= 0.0):
+        raise ArgumentError("clear", repr(request.clear), "a number >= 0")
+    if request.scene is None and (request.clear != 0.0 or request.prefer != "first"):
+        raise ArgumentError("scene", "none", "one, since `clear` or `prefer` asks for it")
+    if request.all_branches and request.scene is not None:
+        raise ArgumentError("scene", "one", "none: all branches are told, whatever they hit")
+    robot = request.choice.load()
     reader = read_targets(request.targets)
     if request.output.exists() and request.output.samefile(request.targets):
         raise ResultFileError(request.output, "is the target file, expected another name")
-    task_name, task = choose_task(request, reader)
+    task_name, task = choose_task(request, is_pose=reader.is_pose)
+    letters = _name_letters(robot, request)
     summary = Summary(robot.name, task_name, with_orientation=task_name != "position")
     layout = ResultLayout(
         ResultLayout.joint_names(robot.joint_names, robot.joint_types),
         reader.has_text_ids,
         _metadata(request, robot, task_name),
+        letters,
     )
     work = Pipeline(reader.chunks(), _solver(robot, task, request))
     with open_results(request.output, layout, force=request.force) as writer, progress:
         progress.start(f"{robot.name}, {task_name} task", reader.count)
+        for note in robot.notes:
+            progress.note(note)
         if reader.ignored:
             progress.note(f"not used: {', '.join(reader.ignored)}")
         waiting: list[ResultChunk] = []
         with contextlib.closing(work.pieces()) as pieces:
-            for piece in pieces:
+            for targets, piece in pieces:
                 summary.add(piece)
-                progress.advance(len(piece))
+                progress.advance(targets)
                 if waiting and _id_bytes([*waiting, piece]) > WRITE_ID_BYTES:
-                    writer.write(_joined(waiting))
+                    writer.write(ResultChunk.joined(waiting))
                     waiting.clear()
                 waiting.append(piece)
                 if sum(map(len, waiting)) >= WRITE_ROWS:
-                    writer.write(_joined(waiting))
+                    writer.write(ResultChunk.joined(waiting))
                     waiting.clear()
         if waiting:
-            writer.write(_joined(waiting))
+            writer.write(ResultChunk.joined(waiting))
     summary.solve_s = work.solve_s
     summary.total_s = time.perf_counter() - started
     return summary
 
 
-def _solver(robot: Robot, task: str | Axis, request: SolveRequest) -> Solve:
-    def solve(targets: NDArray[np.float64], first_index: int) -> IkResult:
-        return robot.ik(
+def _solver(robot: Robot, task: JobTask, request: SolveRequest) -> Solve:
+    def solve(targets: NDArray[np.float64], first_index: int, ids: NDArray[Any]) -> ResultChunk:
+        result = robot.ik(
             targets,
             task=task,
             solver=request.solver,
+            q0=request.q0,
             seed=request.seed,
             threads=request.threads,
             position_tolerance=request.position_tolerance,
             orientation_tolerance=request.orientation_tolerance,
+            tolerance_frame=request.tolerance_frame,
             first_index=first_index,
+            scene=request.scene,
+            clear=request.clear,
+            prefer=request.prefer,
         )
+        return ResultChunk.of(result, ids)
 
-    return solve
+    def branches(targets: NDArray[np.float64], first_index: int, ids: NDArray[Any]) -> ResultChunk:
+        found = robot.ik_all(
+            targets,
+            request.q0,
+            task=task,
+            threads=request.threads,
+            position_tolerance=request.position_tolerance,
+            orientation_tolerance=request.orientation_tolerance,
+        )
+        return as_rows(robot, task, targets, found, ids)
+
+    return branches if request.all_branches else solve
+
+
+def _name_letters(robot: Robot, request: SolveRequest) -> int:
+    """Return the letters of the longest name of a body or an object; 0 without a scene."""
+    if request.scene is None:
+        return 0
+    collider = request.scene.collider(robot)
+    return max(1, *map(len, (*collider.bodies.names, *collider.scene.names)))
 
 
 def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
@@ -190,31 +238,17 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
         "robot": robot.name,
         "targets": request.targets.name,
         "task": task,
-        "solver": request.solver,
-        "position_tolerance_m": repr(request.position_tolerance),
-        "orientation_tolerance_rad": repr(request.orientation_tolerance),
-        "seed": str(request.seed),
+        "solver": "all branches" if request.all_branches else request.solver,
+        **task_words(request, task),
+        **request.choice.words(),
     }
-    if task == "axis":
-        values["tool_axis"] = _words(request.tool_axis)
-        where = request.direction
-        values["direction"] = "the targets' own" if where is None else _words(where)
+    if request.scene is not None:
+        values["scene"] = request.scene_name
+        values["clear_m"] = repr(request.clear)
+        values["prefer"] = request.prefer
     return values
-
-
-def _words(vector: Vector) -> str:
-    return ",".join(map(repr, vector))
 
 
 def _id_bytes(pieces: list[ResultChunk]) -> int:
     """Return the bytes of the pieces' ids once they are joined, all as wide as the widest."""
     return sum(map(len, pieces)) * max(piece.ids.dtype.itemsize for piece in pieces)
-
-
-def _joined(pieces: list[ResultChunk]) -> ResultChunk:
-    if len(pieces) == 1:
-        return pieces[0]
-    names = ResultChunk.__dataclass_fields__
-    return ResultChunk(
-        **{name: np.concatenate([getattr(piece, name) for piece in pieces]) for name in names}
-    )

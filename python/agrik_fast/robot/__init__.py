@@ -5,29 +5,53 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, float_array, text, whole_number, word
+from .. import _native
+from .._checks import FloatArray, float_array, real_number, shown, text, whole_number, word
+from ..errors import ArgumentError
+from . import _prepared, _sources
+from ._collision import CollisionBodies
 from ._definition import (
     Definition,
     EndEffector,
-    bundled_names,
+    UrdfSolids,
     from_robot_file,
-    locate,
-    naming_file,
-    read_urdf,
+    from_urdf,
+    urdf_solids,
 )
 from ._dh_rows import CONVENTIONS, DhRow, read_table
+from ._inverse import PREFERENCES as PREFERENCES
 from ._inverse import InverseKinematics
+from ._inverse import Prefer as Prefer
+from ._inverse import SceneOf as SceneOf
 from ._path import Path
 
-__all__ = ["DhRow", "Path", "Robot"]
+__all__ = ["DhRow", "Path", "Robot", "file_schema"]
 
 
-class Robot(InverseKinematics):
+def file_schema() -> dict[str, Any]:
+    """Return the JSON Schema of robot files, for editors.
+
+    Returns
+    -------
+    dict
+        The schema.
+
+    Examples
+    --------
+    >>> file_schema()["required"]
+    ['format', 'name']
+    """
+    from ._file import RobotFile
+
+    return RobotFile.model_json_schema()
+
+
+class Robot(InverseKinematics, CollisionBodies):
     """A serial arm: joints with limits, a base and a tool transform.
 
     Make one with `Robot.load`, `Robot.from_dh` or `Robot.from_urdf`. A robot never
@@ -49,24 +73,44 @@ class Robot(InverseKinematics):
     (True, True)
     """
 
-    __slots__ = ("_chain", "_definition")
+    __slots__ = ("_chain",)
 
-    def __init__(self, definition: Definition) -> None:
+    def __init__(self, definition: Definition, chain: _native.Chain | None = None) -> None:
+        if not isinstance(definition, Definition):
+            raise ArgumentError(
+                "Robot", shown(definition), "Robot.load, Robot.from_dh or Robot.from_urdf"
+            )
         self._definition = definition
-        self._chain = definition.build()
+        self._chain = definition.build() if chain is None else chain
+        self._compiled = None
 
     # -- where robots come from ------------------------------------------------------
 
     @classmethod
-    def load(cls, name_or_path: str | PathLike[str]) -> Robot:
-        """Load a bundled robot, a robot file or a URDF.
+    def load(
+        cls,
+        name_or_path: str | bytes | PathLike[str],
+        base_link: str | None = None,
+        tip_link: str | None = None,
+        *,
+        tool: ArrayLike | None = None,
+        frame: str | None = None,
+    ) -> Robot:
+        """Load a robot by its name, from a robot file, a URDF or a xacro file.
 
         Parameters
         ----------
-        name_or_path : str or path
-            A name out of `Robot.names`, or the path of a ``.toml``, ``.urdf`` or
-            ``.xml`` file. A URDF must have one root and one leaf link; choose links
-            with `Robot.from_urdf` where it has more.
+        name_or_path : str, bytes or path
+            A name out of `Robot.names`; a name of the package robot_descriptions, such as
+            "ur5e_description" (needs the extra ``descriptions``, and downloads the robot when
+            it is asked for first); or the path of a ``.toml``, ``.urdf``, ``.xml`` or
+            ``.xacro`` file (the last needs the extra ``xacro``), the suffix in any case.
+        base_link, tip_link : str, optional
+            First and last link of a URDF's chain, as for `from_urdf`.
+        tool : array_like, shape (4, 4), optional
+            Tool in the last link's frame, m, as for `with_tool`.
+        frame : str, optional
+            Named frame in which poses are given, as for `in_frame`.
 
         Returns
         -------
@@ -76,18 +120,48 @@ class Robot(InverseKinematics):
         Raises
         ------
         UnknownNameError
-            No bundled robot has that name; names the nearest.
+            No robot or frame has that name; names the nearest.
         ArgumentError
-            The path leads to no file of a known kind.
+            The path leads to no file of a known kind; links are named of a robot file; the
+            tool is no rigid transform.
         RobotFileError
             The TOML file has faults; lists all of them with their places.
         UrdfError
-            The URDF does not describe one serial chain.
+            The URDF cannot be read, or does not describe one serial chain.
+        MissingExtraError
+            The robot needs a library that is not installed.
+
+        Warns
+        -----
+        RobotWarning
+            Limits of a URDF, both 0, lock joints.
+
+        Examples
+        --------
+        >>> Robot.load("panda").dof
+        7
         """
-        path = locate(name_or_path)
-        if path.suffix == ".toml":
-            return cls(from_robot_file(path))
-        return cls.from_urdf(path)
+        source = _sources.find(name_or_path)
+        if source.path is None:
+            robot = cls._of_urdf(source, base_link, tip_link, UrdfSolids())
+        else:
+            for argument, link in (("base_link", base_link), ("tip_link", tip_link)):
+                if link is not None:
+                    expected = f"nothing: {source.name} is a robot file, which has one chain"
+                    raise ArgumentError(argument, shown(link), expected)
+            prepared = _prepared.read(source.path) if source.is_bundled else None
+            robot = cls(prepared or from_robot_file(source.path))
+        robot = robot if frame is None else robot.in_frame(frame)
+        return robot if tool is None else robot.with_tool(tool)
+
+    @classmethod
+    def _of_urdf(
+        cls, source: _sources.Source, base: str | None, tip: str | None, solids: UrdfSolids
+    ) -> Robot:
+        for argument, link in (("base_link", base), ("tip_link", tip)):
+            if link is not None:
+                text(argument, link)
+        return cls(*from_urdf(source, base, tip, solids))
 
     @classmethod
     def from_dh(
@@ -163,22 +237,38 @@ class Robot(InverseKinematics):
     @classmethod
     def from_urdf(
         cls,
-        path_or_text: str | PathLike[str],
+        path_or_text: str | bytes | PathLike[str],
         base_link: str | None = None,
         tip_link: str | None = None,
+        *,
+        cylinder: Literal["capsule", "convex", "cover"] = "capsule",
+        mesh: Literal["convex", "cover"] = "convex",
+        mesh_folders: Sequence[str | PathLike[str]] = (),
     ) -> Robot:
         """Build a robot from a URDF.
 
-        Joints, origins, axes, limits and mimic rules count; meshes, inertias and
-        transmissions are ignored.
+        Joints, origins, axes, limits and mimic rules count, and ``<collision>`` geometry,
+        which is read when `bodies` are first needed; visuals, inertias and transmissions are
+        ignored.
 
         Parameters
         ----------
-        path_or_text : str or path
-            Path of the file, or the XML text itself (it holds a ``<``).
+        path_or_text : str, bytes or path
+            Path of the file, or the XML text itself (it holds a ``<``). Bytes and files are
+            read in the encoding that they declare, a ``.xacro`` file is expanded first.
         base_link, tip_link : str, optional
-            First and last link of the chain. Default: the only root and the only leaf
-            link; needed where there are several.
+            First and last link of the chain. Default: the only root, and the end of the only
+            arm: a link named like tool0, tcp or flange, or what the last joint before a hand
+            carries. `notes` says what was chosen where there was a choice.
+        cylinder : {"capsule", "convex", "cover"}, default "capsule"
+            What a cylinder becomes for collisions: a capsule, which reaches out of it by its
+            radius at both ends; a prism of 16 sides, by 1.96 % of it; the cover of its box.
+        mesh : {"convex", "cover"}, default "convex"
+            What each mesh of a file becomes: its convex hull, or the cover of its box. Meshes
+            need the extra ``meshes`` (trimesh, SciPy).
+        mesh_folders : sequence of paths, optional
+            Where mesh files are looked for besides the URDF's own folder: folders that hold
+            ROS packages (``package://``), or what relative names begin from.
 
         Returns
         -------
@@ -191,19 +281,65 @@ class Robot(InverseKinematics):
             The path leads to no file.
         UrdfError
             The text is no URDF, its links are cyclic or disconnected, a link is
-            unknown or ambiguous, or no joint moves.
+            unknown, no joint moves, or several links could be the tip (it lists them).
+        MissingExtraError
+            A xacro file without the extra ``xacro``.
+
+        Warns
+        -----
+        RobotWarning
+            Limits that are both 0 lock joints.
+
+        Examples
+        --------
+        >>> arm = Robot.from_urdf(
+        ...     '<robot name="r"><link name="a"/><link name="b"/><joint name="j" '
+        ...     'type="continuous"><parent link="a"/><child link="b"/></joint></robot>'
+        ... )
+        >>> arm.joint_names
+        ('j',)
         """
-        for argument, link in (("base_link", base_link), ("tip_link", tip_link)):
-            if link is not None:
-                text(argument, link)
-        definition = Definition("from_urdf", (read_urdf(path_or_text), base_link, tip_link))
-        with naming_file(path_or_text):
-            return cls(definition)
+        solids = urdf_solids(cylinder, mesh, mesh_folders)
+        return cls._of_urdf(_sources.find_urdf(path_or_text), base_link, tip_link, solids)
 
     @staticmethod
     def names() -> tuple[str, ...]:
-        """Return the names of the bundled robots, sorted."""
-        return bundled_names()
+        """Return the names of the robots that are installed, sorted.
+
+        Those of the package, and those that other packages bring by the entry points
+        ``agrik_fast.robots``.
+        """
+        return _sources.names()
+
+    def save(self, path: str | PathLike[str], *, force: bool = False) -> None:
+        """Write the robot to a robot file, from which `load` makes an equal robot.
+
+        Parameters
+        ----------
+        path : str or path
+            A ``.toml`` file.
+        force : bool, default False
+            Replace an existing file.
+
+        Raises
+        ------
+        ArgumentError
+            Another suffix, or a robot that the form cannot hold: a joint that follows one
+            outside of the chain.
+        RobotFileError
+            The file exists, or cannot be written.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> path = pathlib.Path(tempfile.mkdtemp()) / "arm.toml"
+        >>> Robot.load("ur5").save(path)
+        >>> Robot.load(path) == Robot.load("ur5")
+        True
+        """
+        from ._saving import write
+
+        write(self._definition, self._chain, path, force=force)
 
     # -- what it is --------------------------------------------------------------------
 
@@ -258,9 +394,34 @@ class Robot(InverseKinematics):
         return self._chain.reach_box
 
     @property
+    def fingerprint(self) -> str:
+        """Hash of the definition (geometry, limits, base, tool, names), 64 hex digits.
+
+        Equal for robots that are built from the same numbers; it says nothing of two
+        descriptions of one arm.
+        """
+        return self._definition.fingerprint()
+
+    @property
     def description(self) -> str:
         """One line on what the robot is; empty if nobody said."""
         return self._definition.description
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was decided while the robot was read and one might have decided otherwise."""
+        return self._definition.notes
+
+    @property
+    def home(self) -> FloatArray:
+        """Joint values of the home posture, shape (n,), rad or m.
+
+        As the robot file says; of a joint of which it says nothing, the value inside the
+        limits that is nearest to 0.
+        """
+        near = np.clip(0.0, self.lower, self.upper)
+        said = [self._definition.home.get(name, np.nan) for name in self.joint_names]
+        return np.where(np.isnan(said), near, said)
 
     @property
     def source(self) -> Mapping[str, Any]:
@@ -364,12 +525,13 @@ class Robot(InverseKinematics):
         return self._chain.jacobian(q)
 
     def with_tool(self, tool: ArrayLike) -> Robot:
-        """Return the same robot with another tool.
+        """Return the same robot with another tool in place of its own.
 
         Parameters
         ----------
         tool : array_like, shape (4, 4)
-            Tool in the last link's frame, m; replaces the present one.
+            Tool in the last link's frame, m; replaces the present one. (The argument `tool`
+            of `ik` is an offset behind the robot's tool instead.)
 
         Returns
         -------
@@ -382,6 +544,12 @@ class Robot(InverseKinematics):
             Not a rigid transform.
         """
         return Robot(self._definition.replaced(tool=float_array("tool", tool).copy()))
+
+    @property
+    def base(self) -> FloatArray:
+        """First link's frame in the frame that poses are given in, shape (4, 4), m."""
+        given = self._definition.base
+        return np.eye(4) if given is None else given.copy()
 
     def with_base(self, base: ArrayLike) -> Robot:
         """Return the same robot with another base.
@@ -458,6 +626,52 @@ class Robot(InverseKinematics):
         lower = np.where(np.isfinite(self.lower), self.lower, -np.pi)
         upper = np.where(np.isfinite(self.upper), self.upper, np.pi)
         return generator.uniform(lower, upper, (*shape, self.dof))
+
+    def _with(self, definition: Definition) -> Self:
+        return type(self)(definition)
+
+    def joint_values(self, values: Mapping[str, float]) -> FloatArray:
+        """Return the vector q in which some joints, named, have the given values.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            Values, rad or m, by joint name; the other joints are at `home`.
+
+        Returns
+        -------
+        ndarray, shape (n,), rad or m
+            Joint values. Vectors by name can be had back by
+            ``dict(zip(robot.joint_names, q))``.
+
+        Raises
+        ------
+        UnknownNameError
+            No joint has that name.
+        ArgumentError
+            A value is no finite number.
+
+        Examples
+        --------
+        >>> Robot.load("ur5").joint_values({"elbow": 0.5}).tolist()
+        [0.0, 0.0, 0.5, 0.0, 0.0, 0.0]
+        """
+        if not isinstance(values, Mapping):
+            raise ArgumentError("values", shown(values), "values by joint name")
+        q = self.home
+        for name, value in values.items():
+            word("joint", name, self.joint_names)
+            q[self.joint_names.index(name)] = real_number(f"values[{name!r}]", value)
+        return q
+
+    def __eq__(self, other: object) -> bool:
+        """Return True for a robot of the same name, joints, limits, base, tool and home."""
+        if not isinstance(other, Robot):
+            return NotImplemented
+        return self._chain.same(other._chain) and bool((self.home == other.home).all())
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.joint_names, self.lower.tobytes(), self.upper.tobytes()))
 
     def __repr__(self) -> str:
         return f"Robot({self.name!r}, dof={self.dof})"

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
-from collections.abc import Callable, Iterator, Mapping
+import hashlib
+import json
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
@@ -12,19 +13,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .. import _native
-from .._checks import FloatArray
-from .._files import decode, read_bytes
-from ..errors import ArgumentError, UnknownNameError, UrdfError
+from .._bodies import CYLINDERS, MESHES, Body, CollisionRules, UrdfGeometry, mesh_places
+from .._checks import FloatArray, items, shown, word
+from .._files import listing
+from .._warnings import warn
+from ..errors import ArgumentError, RobotWarning, UrdfError
 from ._dh_rows import DhRow, DhTable
+from ._sources import Source
 
 if TYPE_CHECKING:
     from .._native import JointSpec
     from ._file import RobotFile
-
-ROBOTS = Path(__file__).resolve().parent / "bundled"
-# The core has the same limit for texts.
-_URDF_BYTES = 16 << 20
-_SUFFIXES = (".toml", ".urdf", ".xml")
 
 
 class EndEffector(NamedTuple):
@@ -64,77 +63,100 @@ class Definition:
     convention: str | None = None
     dh: tuple[DhRow, ...] | None = None
     frames: dict[str, FloatArray] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    home: dict[str, float] = field(default_factory=dict)
+    """Values of the home posture by joint, as far as they are said."""
+    bodies: tuple[Body, ...] = ()
+    """Bodies that are known; those of a URDF are read when they are asked for."""
+    rules: CollisionRules = field(default_factory=CollisionRules)
+    attached: tuple[Body, ...] = ()
+    """Bodies put on at run time."""
+    urdf: UrdfGeometry | None = None
+    """Where the bodies of a URDF are to be read."""
     end_effector: EndEffector | None = None
 
     def build(self) -> _native.Chain:
         """Compile the chain."""
         if self.method == "from_urdf":
-            chain = _native.Chain.from_urdf(*self.arguments)
+            chain, _ = _native.Chain.from_urdf(*self.arguments)
             chain = chain if self.base is None else chain.with_base(self.base)
             return chain if self.tool is None else chain.with_tool(self.tool)
         make: Callable[..., _native.Chain] = getattr(_native.Chain, self.method)
         return make(*self.arguments, self.base, self.tool, self.variable_order)
+
+    def fingerprint(self) -> str:
+        """Return a hash of all that the chain is built from."""
+        parts = [self.method, self.arguments, self.base, self.tool, self.variable_order]
+        return hashlib.sha256(json.dumps(parts, default=_plain).encode()).hexdigest()
 
     def replaced(self, **changes: Any) -> Definition:
         """Return the definition with other fields."""
         return replace(self, **changes)
 
 
-def bundled_names() -> tuple[str, ...]:
-    """Return the names of the robots in the package, sorted."""
-    return tuple(sorted(path.stem for path in ROBOTS.glob("*.toml")))
+def _plain(value: Any) -> Any:
+    """Return what JSON has no word for as lists; floats keep all of their digits."""
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else repr(value)
 
 
-def locate(name_or_path: str | PathLike[str]) -> Path:
-    """Return the file meant by a bundled robot's name or a path."""
-    text = fspath(name_or_path)
-    path = Path(text)
-    looks_like_path = isinstance(name_or_path, PathLike) or path.suffix or path.name != text
-    if not looks_like_path:
-        if text not in bundled_names():
-            raise UnknownNameError("robot", text, bundled_names())
-        return ROBOTS / f"{text}.toml"
-    if path.suffix not in _SUFFIXES:
-        raise ArgumentError(
-            "name_or_path", repr(text), f"a bundled robot's name or a {', '.join(_SUFFIXES)} file"
-        )
-    if not path.is_file():
-        raise ArgumentError("name_or_path", f"{text!r}, which is no file", "an existing file")
-    return path
+@dataclass(frozen=True)
+class UrdfSolids:
+    """How the solids of a URDF are to be read; see `Robot.from_urdf`."""
+
+    cylinder: str = "capsule"
+    mesh: str = "convex"
+    mesh_folders: tuple[Path, ...] = ()
 
 
-def read_urdf(path_or_text: str | PathLike[str]) -> str:
-    """Return a URDF's text, reading the file if a path is given."""
-    text = fspath(path_or_text)
-    if "<" in text:
-        return text
-    path = Path(text)
-    if not path.is_file():
-        expected = "the path of an existing URDF, or its text"
-        raise ArgumentError("path_or_text", f"{text!r}, which is no file", expected)
+def urdf_solids(
+    cylinder: str, mesh: str, mesh_folders: Sequence[str | PathLike[str]]
+) -> UrdfSolids:
+    """Return how a URDF's solids are to be read.
 
-    def refuse(reason: str) -> UrdfError:
-        return UrdfError(f"{path.name}: {reason}")
-
-    return decode(read_bytes(path, refuse, _URDF_BYTES), refuse)
-
-
-@contextlib.contextmanager
-def naming_file(path_or_text: str | PathLike[str]) -> Iterator[None]:
-    """Put the name of the file, if there is one, before what is wrong with its URDF."""
+    Raises
+    ------
+    UnknownNameError
+        An unknown word.
+    ArgumentError
+        Folders that are no paths.
+    """
+    word("cylinder", cylinder, CYLINDERS)
+    word("mesh", mesh, MESHES)
     try:
-        yield
+        folders = [Path(fspath(one)) for one in items("mesh_folders", mesh_folders, "paths")]
+    except TypeError:
+        raise ArgumentError("mesh_folders", shown(mesh_folders), "paths") from None
+    return UrdfSolids(cylinder, mesh, tuple(folders))
+
+
+def from_urdf(
+    source: Source, base_link: str | None, tip_link: str | None, solids: UrdfSolids
+) -> tuple[Definition, _native.Chain]:
+    """Read a URDF."""
+    text, name = source.urdf or "", source.name
+    try:
+        chain, (base, tip, others, locked) = _native.Chain.from_urdf(text, base_link, tip_link)
     except UrdfError as error:
-        text = fspath(path_or_text)
-        if "<" in text:
-            raise
-        raise UrdfError(f"{Path(text).name}: {error}") from None
+        raise UrdfError(f"{name}: {error}" if name else str(error)) from None
+    notes = []
+    if others:
+        notes.append(
+            f"the tip is link {tip!r}; it could also be {listing(others)} (choose with tip_link)"
+        )
+    if locked:
+        words = "joint" if len(locked) == 1 else "joints"
+        said = f"{words} {listing(locked)} cannot move: both limits are 0"
+        warn(f"{name or chain.name}: {said}", RobotWarning)
+    places = mesh_places(source.folder, solids.mesh_folders)
+    urdf = UrdfGeometry(text, name or "URDF", base, places, solids.cylinder, solids.mesh)
+    return Definition("from_urdf", (text, base, tip), notes=tuple(notes), urdf=urdf), chain
 
 
 def from_robot_file(path: Path) -> Definition:
     """Read a robot file."""
     # pydantic takes longer to import than everything else together, and robots made
     # from rows or URDF do not need it.
+    from ._collision_tables import bodies_of
     from ._file import read, source_fields
 
     content = read(path)
@@ -153,6 +175,9 @@ def from_robot_file(path: Path) -> Definition:
         convention=content.convention,
         dh=dh,
         frames={name: table.matrix() for name, table in content.frames.items()},
+        home=content.home(),
+        bodies=bodies_of(content.collision, content.provenance),
+        rules=content.collision_rules.rules(),
         end_effector=None if hand is None else EndEffector(hand.servo, tuple(hand.moves)),
     )
 
@@ -183,6 +208,7 @@ def _joints(content: RobotFile) -> tuple[str, tuple[Any, ...], None]:
                 "lower": lower,
                 "upper": upper,
                 "mimic": None if rule is None else (rule.joint, rule.multiplier, rule.offset),
+                "link": row.link,
             }
         )
     return "from_joints", (content.name, joints), None

@@ -2,7 +2,8 @@
 
 A file describes a chain in one of two forms, ``[[dh]]`` rows or ``[[joint]]``
 rows, with optional ``[base]``, ``[tool]``, ``[frames.<name>]``, ``[source]`` and
-``[provenance]`` tables. Every number's key ends in its unit: ``_m`` or ``_mm``,
+``[provenance]`` tables, and bodies for collisions (``[[collision]]``,
+``[collision_rules]``). Every number's key ends in its unit: ``_m`` or ``_mm``,
 ``_rad`` or ``_deg``. Unknown keys are faults, and all faults of a file are
 reported at once.
 
@@ -24,6 +25,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 from .. import _rotations
 from .._files import decode, listing, parse_toml, read_bytes, shown
 from ..errors import Fault, RobotFileError, nearest_names
+from ._collision_tables import CollisionRulesTable, CollisionTable, collision_faults
 from ._file_checks import NAMED_FAULTS, combined_faults, quantity
 
 __all__ = ["DhTable", "JointTable", "MimicTable", "RobotFile", "TransformTable", "read"]
@@ -114,6 +116,14 @@ class _Row(_Table):
     """Largest value of a revolute joint, rad."""
     upper_deg: FiniteFloat | None = None
     """The same, degrees."""
+    home_m: FiniteFloat | None = None
+    """Value of a prismatic joint in the home posture, m."""
+    home_mm: FiniteFloat | None = None
+    """The same, mm."""
+    home_rad: FiniteFloat | None = None
+    """Value of a turning joint in the home posture, rad."""
+    home_deg: FiniteFloat | None = None
+    """The same, degrees."""
     provenance: dict[str, str] = {}
     """Where the numbers are from: mark, or mark and text."""
 
@@ -162,6 +172,8 @@ class JointTable(_Row, TransformTable):
 
     axis: _Triple | None = None
     """Direction of the axis; any length but zero."""
+    link: _Name | None = None
+    """Name of the link it carries; without it the joint's name and `_link`."""
     mimic: MimicTable | None = None
     """Rule, if the joint follows another."""
 
@@ -229,6 +241,16 @@ class RobotFile(_Table):
     """Denavit-Hartenberg rows, from base to tool."""
     joint: Annotated[list[JointTable], Field(max_length=_ROWS)] = []
     """Joint rows, from base to tool."""
+    collision: Annotated[list[CollisionTable], Field(max_length=_ROWS)] = []
+    """Bodies on the frames."""
+    collision_rules: CollisionRulesTable = CollisionRulesTable()
+    """Which collisions of them count."""
+
+    def home(self) -> dict[str, float]:
+        """Return the values of the home posture, rad or m, by the joints that have one."""
+        rows = [*self.dh, *self.joint]
+        said = {row.name: quantity(row.model_dump(), "home") for row in rows}
+        return {name: float(value) for name, value in said.items() if value is not None}
 
 
 def read(path: Path) -> RobotFile:
@@ -275,6 +297,7 @@ def parse(data: bytes, name: str) -> RobotFile:
             faults.append(Fault(_place(item["loc"]), message))
     if not any(isinstance(raw.get(rows), list) and len(raw[rows]) > _ROWS for rows in _ROW_TABLES):
         faults += combined_faults(raw)
+        faults += collision_faults(raw)
     if faults or result is None:
         raise RobotFileError(name, faults)
     return result
@@ -293,10 +316,10 @@ def _place(loc: tuple[int | str, ...]) -> str:
     return ", ".join(part for part in (place, key) if part)
 
 
-_ROW_TABLES = ("dh", "joint")
+_ROW_TABLES = ("dh", "joint", "collision")
 # Letters of a key that others are compared with.
 _COMPARED = 60
-_TABLES: dict[str, type[_Table]] = {
+_TABLES: dict[str, type[BaseModel]] = {
     "base": TransformTable,
     "tool": TransformTable,
     "frames": TransformTable,
@@ -304,6 +327,8 @@ _TABLES: dict[str, type[_Table]] = {
     "end_effector": EndEffectorTable,
     "dh": DhTable,
     "joint": JointTable,
+    "collision": CollisionTable,
+    "collision_rules": CollisionRulesTable,
 }
 
 
@@ -313,7 +338,7 @@ def _message(
     if kind == "missing":
         return "missing"
     if kind == "extra_forbidden":
-        table = RobotFile if len(loc) == 1 else _TABLES[str(loc[0])]
+        table: type[BaseModel] = RobotFile if len(loc) == 1 else _TABLES[str(loc[0])]
         if "mimic" in loc[:-1]:
             table = MimicTable
         known = list(table.model_fields)

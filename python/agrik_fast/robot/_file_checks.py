@@ -25,11 +25,14 @@ _ORTHONORMAL = 1e-8
 
 
 def quantity(table: Mapping[str, Any], stem: str) -> Any:
-    """Return the number or list under `stem` and any unit, in m or rad; None if absent."""
+    """Return the number, list or rows under `stem` and any unit, in m or rad; None if absent."""
     for unit, factor in _TO_SI.items():
         value = table.get(f"{stem}_{unit}")
         if isinstance(value, list):
-            return [_to_si(v, unit, factor) for v in value]
+            return [
+                [_to_si(x, unit, factor) for x in v] if isinstance(v, list)
+                else _to_si(v, unit, factor) for v in value
+            ]  # fmt: skip
         if value is not None:
             return _to_si(value, unit, factor)
     return None
@@ -54,8 +57,8 @@ def combined_faults(raw: Mapping[str, Any]) -> list[Fault]:
 def _faults(raw: Mapping[str, Any]) -> Iterator[Fault]:
     marks = raw.get("provenance")
     for place, table in _transforms(raw):
-        yield from _transform_faults(place, table)
-        yield from _mark_faults(place, table, marks)
+        yield from transform_faults(place, table)
+        yield from mark_faults(place, table, marks)
     dh, joints = _tables(raw.get("dh")), _tables(raw.get("joint"))
     if bool(raw.get("dh")) == bool(raw.get("joint")):
         got = "both" if raw.get("dh") else "neither"
@@ -67,15 +70,17 @@ def _faults(raw: Mapping[str, Any]) -> Iterator[Fault]:
     for index, row in dh:
         place = f"[[dh]] row {index}"
         for stem, units in (("a", _LENGTH), ("alpha", _ANGLE), ("d", _LENGTH), ("theta", _ANGLE)):
-            yield from _one_unit(place, row, stem, units, required=True)
+            yield from one_unit(place, row, stem, units, required=True)
         yield from _limit_faults(place, row)
-        yield from _mark_faults(place, row, marks)
+        yield from _home_faults(place, row)
+        yield from mark_faults(place, row, marks)
     for index, row in joints:
         place = f"[[joint]] row {index}"
-        yield from _transform_faults(place, row)
+        yield from transform_faults(place, row)
         yield from _axis_faults(place, row)
         yield from _limit_faults(place, row)
-        yield from _mark_faults(place, row, marks)
+        yield from _home_faults(place, row)
+        yield from mark_faults(place, row, marks)
     for kind, rows in (("dh", dh), ("joint", joints)):
         yield from _name_faults(kind, rows)
     yield from _mimic_faults(joints)
@@ -98,9 +103,10 @@ def _transforms(raw: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]
             yield f"[frames.{name}]", table
 
 
-def _one_unit(
+def one_unit(
     place: str, table: Mapping[str, Any], stem: str, units: Sequence[str], *, required: bool
 ) -> Iterator[Fault]:
+    """Faults of a number that is given in two units, or in none."""
     keys = [f"{stem}_{unit}" for unit in units]
     given = [key for key in keys if key in table]
     if len(given) > 1:
@@ -123,10 +129,29 @@ def _limit_faults(place: str, row: Mapping[str, Any]) -> Iterator[Fault]:
                 yield Fault(f"{place}, {key}", f"wrong unit for a {kind} joint; expected {want}")
             elif key in row:
                 yield Fault(f"{place}, {key}", f"a {kind} joint has no limits")
-        yield from _one_unit(place, row, stem, units, required=bounded)
+        yield from one_unit(place, row, stem, units, required=bounded)
     lower, upper = (_number(row, stem) for stem in ("lower", "upper"))
     if bounded and lower is not None and upper is not None and lower > upper:
         yield Fault(f"{place}, lower", f"expected lower <= upper, got {lower:g} > {upper:g}")
+
+
+def _home_faults(place: str, row: Mapping[str, Any]) -> Iterator[Fault]:
+    kind = row.get("type")
+    keys = [f"home_{unit}" for unit in _TO_SI if f"home_{unit}" in row]
+    if kind == "fixed" or "mimic" in row:
+        why = "is fixed" if kind == "fixed" else "follows another"
+        for key in keys:
+            yield Fault(f"{place}, {key}", f"the joint {why} and has no value of its own")
+        return
+    units = _LENGTH if kind == "prismatic" else _ANGLE
+    for key in keys:
+        if key.removeprefix("home_") not in units:
+            want = " or ".join(f"home_{unit}" for unit in units)
+            yield Fault(f"{place}, {key}", f"wrong unit for a {kind} joint; expected {want}")
+    yield from one_unit(place, row, "home", units, required=False)
+    home, lower, upper = (_number(row, stem) for stem in ("home", "lower", "upper"))
+    if home is not None and lower is not None and upper is not None and not lower <= home <= upper:
+        yield Fault(f"{place}, home", f"expected a value within the limits {lower:g} and {upper:g}")
 
 
 def _number(table: Mapping[str, Any], stem: str) -> float | None:
@@ -145,9 +170,10 @@ def _array(value: Any, shape: tuple[int, ...]) -> np.ndarray[Any, np.dtype[np.fl
     return array if array.shape == shape and np.isfinite(array).all() else None
 
 
-def _transform_faults(place: str, table: Mapping[str, Any]) -> Iterator[Fault]:
-    yield from _one_unit(place, table, "xyz", _LENGTH, required=False)
-    yield from _one_unit(place, table, "rpy", _ANGLE, required=False)
+def transform_faults(place: str, table: Mapping[str, Any]) -> Iterator[Fault]:
+    """Faults of a place and a turn."""
+    yield from one_unit(place, table, "xyz", _LENGTH, required=False)
+    yield from one_unit(place, table, "rpy", _ANGLE, required=False)
     if "rotation" not in table:
         return
     if "rpy_rad" in table or "rpy_deg" in table:
@@ -180,7 +206,8 @@ def _axis_faults(place: str, row: Mapping[str, Any]) -> Iterator[Fault]:
             yield Fault(f"{place}, axis", "expected a direction of non-zero length, got zero")
 
 
-def _mark_faults(place: str, table: Mapping[str, Any], marks: Any) -> Iterator[Fault]:
+def mark_faults(place: str, table: Mapping[str, Any], marks: Any) -> Iterator[Fault]:
+    """Faults of the marks that say where the numbers of a table are from."""
     notes = table.get("provenance")
     for key, note in notes.items() if isinstance(notes, dict) else ():
         if key not in table and not any(f"{key}_{unit}" in table for unit in _TO_SI):
@@ -221,7 +248,7 @@ def _mimic_faults(rows: Sequence[tuple[int, Mapping[str, Any]]]) -> Iterator[Fau
                     f"{place}.offset_{unit}",
                     f"expected offset_{units[0]} or offset_{units[1]} on a {row.get('type')} joint",
                 )
-        yield from _one_unit(place, mimic, "offset", units, required=False)
+        yield from one_unit(place, mimic, "offset", units, required=False)
         source = mimic.get("joint")
         if not isinstance(source, str):
             continue

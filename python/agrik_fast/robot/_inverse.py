@@ -2,23 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, float_array, whole_number
+from .._checks import FloatArray, float_array, whole_number, word
 from .._stream import solve_ahead
 from ._path import Path
 
 if TYPE_CHECKING:
-    from .._native import Chain, TargetSolver
-    from ..result import Branches, IkResult
+    from .._native import Chain, Collider, TargetSolver
+    from ..result import Branches, Family, IkResult
     from ..solvers import DifferentialEvolution, GeneticAlgorithm, Solver
     from ..tasks import Task
+    from . import Robot
 
 __all__ = ["InverseKinematics"]
+
+
+Prefer: TypeAlias = Literal["first", "near", "clearance"]
+"""Which of several postures that are free of collisions."""
+
+PREFERENCES: tuple[Prefer, ...] = ("first", "near", "clearance")
+"""All of them."""
+
+
+class SceneOf(Protocol):
+    """What has a collider for an arm: `agrik_fast.collision.Scene`, which stands above here."""
+
+    def collider(self, arm: Robot, /) -> Collider:
+        """Return the arm's bodies in the scene."""
 
 
 class InverseKinematics:
@@ -38,9 +53,13 @@ class InverseKinematics:
         tool: ArrayLike | None = None,
         threads: int | None = None,
         *,
-        position_tolerance: float = 1e-6,
-        orientation_tolerance: float = 1e-6,
+        position_tolerance: ArrayLike = 1e-6,
+        orientation_tolerance: ArrayLike = 1e-6,
+        tolerance_frame: Literal["base", "tool"] | None = None,
         first_index: int = 0,
+        scene: SceneOf | Collider | None = None,
+        clear: float = 0.0,
+        prefer: Prefer = "first",
     ) -> IkResult:
         """Inverse kinematics of a batch of targets.
 
@@ -71,19 +90,39 @@ class InverseKinematics:
         threads : int, optional
             Number of threads; default as set by `agrik_fast.set_num_threads` or the
             environment variable ``AGRIK_NUM_THREADS``, else one per core.
-        position_tolerance : float, default 1e-6
-            Largest distance between tool point and target, m; above 0.
-        orientation_tolerance : float, default 1e-6
-            Largest angle between tool and target orientation, rad; above 0.
+        position_tolerance : float or array_like, shape (3,), m, default 1e-6
+            Largest distance between tool point and target, or largest error along each of
+            x, y, z; above 0. ``inf`` leaves an axis free.
+        orientation_tolerance : float or array_like, shape (3,), rad, default 1e-6
+            Largest angle between tool and target orientation, or largest error about each
+            of x, y, z (entries of the rotation vector from tool to target); above 0.
+            ``inf`` leaves an axis free.
+        tolerance_frame : {"base", "tool"}, optional
+            Whose axes the three numbers of a tolerance are for: those of the base, or of
+            the tool as it stands. Default: those of a `Masked` task, else of the base.
         first_index : int, default 0
             Index of the first target within a larger batch, so that the pieces of a
             batch get the answers of the whole.
+        scene : Scene, optional
+            What answers must not hit, see `agrik_fast.collision`; the arm needs bodies. Among
+            the branches, restarts and free angles of a target one is looked for at which the
+            arm hits neither the scene nor itself. Where all that reach the target hit, the
+            status is ``IN_COLLISION``, with the least bad posture; ``nearest_pair`` of the
+            result says what hits what.
+        clear : float, default 0, m
+            Distance that answers keep from the scene, more than which it has to be; of pairs
+            of the arm's own bodies it is 0.
+        prefer : {"first", "near", "clearance"}, default "first"
+            Which of several free postures: the first one found (of a closed form the best by
+            its own choice), the nearest to `q0` (without it to the middle of the limits), or
+            the one farthest away from everything, which a redundant arm then moves farther
+            away. The last two look at more postures, and take longer.
 
         Returns
         -------
         IkResult
             Joint values, success, status, errors and effort, in the targets' leading
-            shape.
+            shape; with a scene also clearances and what is nearest.
 
         Raises
         ------
@@ -95,6 +134,22 @@ class InverseKinematics:
             Unknown task or solver; names the nearest.
         KeyboardInterrupt
             Ctrl-C; a long batch stops within a second.
+
+        Examples
+        --------
+        A gripper that may turn freely about its own z axis, and by 5 degrees about the others:
+
+        >>> from agrik_fast import Robot
+        >>> robot = Robot.load("puma560")
+        >>> pose = robot.fk([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+        >>> bool(
+        ...     robot.ik(
+        ...         pose,
+        ...         orientation_tolerance=(0.087, 0.087, float("inf")),
+        ...         tolerance_frame="tool",
+        ...     ).success
+        ... )
+        True
         """
         return self._chain.ik(
             targets,
@@ -107,6 +162,10 @@ class InverseKinematics:
             position_tolerance,
             orientation_tolerance,
             first_index,
+            tolerance_frame,
+            _collider(self, scene),
+            clear,
+            word("prefer", prefer, PREFERENCES),
         )
 
     def solver(
@@ -116,8 +175,9 @@ class InverseKinematics:
         seed: int = 0,
         tool: ArrayLike | None = None,
         *,
-        position_tolerance: float = 1e-6,
-        orientation_tolerance: float = 1e-6,
+        position_tolerance: ArrayLike = 1e-6,
+        orientation_tolerance: ArrayLike = 1e-6,
+        tolerance_frame: Literal["base", "tool"] | None = None,
     ) -> TargetSolver:
         """Make a solver for one target at a time, for control loops.
 
@@ -128,7 +188,7 @@ class InverseKinematics:
         ----------
         task : task or {"position", "pose", "axis"}, default "pose"
             What counts as reached, see `agrik_fast.tasks`.
-        solver, seed, tool, position_tolerance, orientation_tolerance
+        solver, seed, tool, position_tolerance, orientation_tolerance, tolerance_frame
             As for `ik`; step solvers only.
 
         Returns
@@ -141,9 +201,9 @@ class InverseKinematics:
         ArgumentError
             As for `ik`.
         """
-        return self._chain.solver(
-            task, solver, seed, tool, position_tolerance, orientation_tolerance
-        )
+        tolerances = (position_tolerance, orientation_tolerance, tolerance_frame)
+        recipe = (_solver, (self, task, solver, seed, tool, *tolerances))
+        return self._chain.solver(task, solver, seed, tool, *tolerances, recipe)
 
     def follow(
         self,
@@ -155,8 +215,9 @@ class InverseKinematics:
         tool: ArrayLike | None = None,
         *,
         pull: float = 0.5,
-        position_tolerance: float = 1e-6,
-        orientation_tolerance: float = 1e-6,
+        position_tolerance: ArrayLike = 1e-6,
+        orientation_tolerance: ArrayLike = 1e-6,
+        tolerance_frame: Literal["base", "tool"] | None = None,
     ) -> Path:
         """Follow a sequence of targets, every posture the continuation of the one before.
 
@@ -175,7 +236,7 @@ class InverseKinematics:
             first posture is free.
         max_joint_step : float or array_like, shape (dof,), rad or m, default 0.1
             Largest change of each joint from one target to the next.
-        task, tool, position_tolerance, orientation_tolerance : optional
+        task, tool, position_tolerance, orientation_tolerance, tolerance_frame : optional
             As in `ik`.
         seed : int, default 0
             Seed of the searches, 0 to 2**64 - 1.
@@ -205,6 +266,7 @@ class InverseKinematics:
             tool,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
         )
         steps = np.zeros_like(result.q)
         if len(steps):
@@ -260,6 +322,13 @@ class InverseKinematics:
         """Family of the arm's closed form, "spherical wrist" or "S-R-S"; None without."""
         return self._chain.closed_form[0]
 
+    @property
+    def family(self) -> Family:
+        """What the arm was recognised as, why, and how `ik_all` finds its branches."""
+        from ..result import Family
+
+        return Family(*self._chain.family)
+
     def ik_all(
         self,
         targets: ArrayLike,
@@ -268,19 +337,28 @@ class InverseKinematics:
         threads: int | None = None,
         arm_angle: ArrayLike | None = None,
         *,
-        position_tolerance: float = 1e-6,
-        orientation_tolerance: float = 1e-6,
+        position_tolerance: ArrayLike = 1e-6,
+        orientation_tolerance: ArrayLike = 1e-6,
+        tolerance_frame: Literal["base", "tool"] | None = None,
+        locked: Mapping[str, ArrayLike] | None = None,
+        sweep: int | None = None,
+        wrap: bool = False,
+        task: Task | str | None = None,
     ) -> Branches:
-        """Every branch of the inverse kinematics of an arm with a closed form.
+        """Every branch of the inverse kinematics: all real solutions of each target.
 
-        Six revolute joints of which the last three axes meet have up to eight branches;
-        seven revolute joints of which also the first three meet (S-R-S) have up to eight
-        for each arm angle. Each branch is checked by forward kinematics.
+        Arms of six joints that turn have up to 16 branches, up to eight where three axes
+        meet or are parallel; `family` says what was recognised. Seven joints have those
+        of the arm that is left when one is locked (S-R-S arms up to eight for each arm
+        angle), and an arm on a slide at each place of it. Five joints reach a point and a
+        direction of the tool axis (``task="axis"``), three a point. Each branch is checked
+        by forward kinematics.
 
         Parameters
         ----------
-        targets : array_like, shape (..., 4, 4)
-            Poses of the tool in the base frame; m.
+        targets : array_like, shape (..., 4, 4) or (..., 3)
+            Poses of the tool in the base frame, or positions of the tool point where the
+            task is one; m.
         q0 : array_like, shape broadcastable to (..., n), rad, optional
             Of the values a whole turn apart that a joint's limits allow, the one nearest to
             this is returned, and angles that a singularity leaves open are taken from it.
@@ -291,25 +369,48 @@ class InverseKinematics:
             Number of threads, as for `ik`.
         arm_angle : array_like, shape broadcastable to (...), rad, optional
             Arm angle of an S-R-S arm, see `arm_angle`. Default: that of `q0`, or 0.
-        position_tolerance : float, default 1e-6
-            Largest distance between tool point and target, m; above 0. Branches of
-            reachable targets come to rounding; this decides at the edge of the reach.
-        orientation_tolerance : float, default 1e-6
-            Largest angle between tool and target orientation, rad; above 0.
+        position_tolerance, orientation_tolerance, tolerance_frame : optional
+            As for `ik`. Branches of reachable targets come to rounding, so that these
+            decide at the edge of the reach alone: a branch counts that is within the
+            smallest of three numbers, and a proof holds for the whole of them.
+        locked : mapping of str to array_like, shape broadcastable to (...), optional
+            Joints that are kept where they are, by name, and their values within the limits,
+            rad or m: one for all targets, or one a target. What is left must be an arm whose
+            branches are known. A NaN makes its target ``BAD_INPUT``. Default: of seven joints
+            that are no S-R-S arm the one of `family` stays where `q0`, or the middle of the
+            limits, has it.
+        sweep : int, optional
+            So many values of that joint over its limits (of the arm angle of an S-R-S arm, of
+            the slide of an arm on one), 1 to 100,000: the branches of all of them, value by
+            value, as ``Branches.value`` and ``Branches.branch`` say. That none of them is within
+            the limits is no proof: the status is ``NOT_FOUND`` then.
+        wrap : bool, default False
+            Also the values of valid branches that are whole turns away, as far as the limits
+            allow: each is a branch of its own, the nearest to `q0` first (at most 4,096). Joints
+            without limits keep the nearest value.
+        task : task or {"pose", "position", "axis"}, optional
+            What counts as reached, see `agrik_fast.tasks`: "axis" for arms of five joints,
+            "position" for arms of three. Default: by the shape of the targets, as for `ik`.
 
         Returns
         -------
         Branches
-            Joint values (..., 8, n), which of them are valid, and a status per target:
-            ``CONVERGED`` with at least one valid branch; ``OUT_OF_REACH`` if it is
-            proven that none exists within limits and tolerances; ``NOT_FOUND`` if there is
-            neither a branch nor a proof, or an S-R-S arm has a branch only at other arm
-            angles.
+            Joint values (..., branches, n), which of them are valid, and a status per target:
+            ``CONVERGED`` with at least one valid branch (``SINGULAR_FAMILY`` where a joint turns
+            freely in one); ``JOINT_LIMITS`` if there are branches, but none within the limits;
+            ``OUT_OF_REACH`` if it is proven that there is none; ``NOT_FOUND`` if there is
+            neither; ``OVERDETERMINED`` with the least angle left where a full pose is asked of
+            fewer joints; ``UNSUPPORTED`` for arms that nothing here solves, such as those with
+            slides between their joints. For spherical wrists and S-R-S arms ``OUT_OF_REACH``
+            takes the limits into account. Warnings stand beside the status.
 
         Raises
         ------
         ArgumentError
-            The arm has no closed form (the message says why), or an argument is wrong.
+            An argument is wrong, as a locked value outside the limits, a sweep of 0 values or
+            of an arm without a joint to spare, a target that is no rigid transform.
+        UnknownNameError
+            `locked` names a joint that the arm has not; the message names the nearest.
         KeyboardInterrupt
             Ctrl-C; a long batch stops within a second.
 
@@ -320,6 +421,25 @@ class InverseKinematics:
         >>> branches = arm.ik_all(arm.fk([0.1, 0.6, -0.4, 0.3, 0.5, 0.2]))
         >>> branches.q.shape, int(branches.valid.sum())
         ((8, 6), 4)
+
+        An arm on a slide, at one place of the slide:
+
+        >>> arm = ik.Robot.load("cucumber")
+        >>> pose = arm.fk([0.5, 0.1, -0.9, 0.3, 0.2, 0.4, 3.0])
+        >>> branches = arm.ik_all(pose, locked={"d1": 0.5})
+        >>> branches.q.shape, int(branches.reached.sum())
+        ((8, 7), 8)
+
+        An arm with an offset wrist, and one of seven joints at 64 values of the last:
+
+        >>> arm = ik.Robot.load("hydrolek")
+        >>> branches = arm.ik_all(arm.fk([0.4, 0.3, -0.5, 0.2, 0.6, -0.1]))
+        >>> branches.q.shape, int(branches.reached.sum())
+        ((16, 6), 8)
+        >>> arm = ik.Robot.load("panda")
+        >>> branches = arm.ik_all(arm.fk([0.1, 0.3, 0.2, -1.5, 0.1, 1.8, 0.5]), sweep=64)
+        >>> branches.q.shape
+        (512, 7)
         """
         return self._chain.ik_all(
             targets,
@@ -329,6 +449,11 @@ class InverseKinematics:
             arm_angle,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
+            locked,
+            sweep,
+            wrap,
+            task,
         )
 
     def arm_angle(self, q: ArrayLike) -> FloatArray:
@@ -393,9 +518,13 @@ class InverseKinematics:
         tool: ArrayLike | None = None,
         threads: int | None = None,
         *,
-        position_tolerance: float = 1e-6,
-        orientation_tolerance: float = 1e-6,
+        position_tolerance: ArrayLike = 1e-6,
+        orientation_tolerance: ArrayLike = 1e-6,
+        tolerance_frame: Literal["base", "tool"] | None = None,
         first_index: int = 0,
+        scene: SceneOf | Collider | None = None,
+        clear: float = 0.0,
+        prefer: Prefer = "first",
     ) -> Iterator[IkResult]:
         """Inverse kinematics of a stream of chunks, for more targets than memory holds.
 
@@ -407,7 +536,9 @@ class InverseKinematics:
         ----------
         chunks : iterable of array_like, each of shape (..., 4, 4) or (..., 3)
             Targets as for `ik`; some tens of thousands in a chunk keep all cores busy.
-        task, solver, seed, tool, threads, position_tolerance, orientation_tolerance
+        task, solver, seed, tool, threads, scene, clear, prefer : optional
+            As for `ik`, the same for all chunks.
+        position_tolerance, orientation_tolerance, tolerance_frame : optional
             As for `ik`, the same for all chunks.
         q0 : array_like, shape (n,), rad or m, optional
             Start values of every target's first attempt.
@@ -425,6 +556,7 @@ class InverseKinematics:
             As `ik`, when the chunk's result is asked for; `first_index` at once.
         """
         first_index = whole_number("first_index", first_index, 0, 2**64 - 1)
+        handle = _collider(self, scene)
 
         def solve(targets: ArrayLike, index: int) -> IkResult:
             return self.ik(
@@ -437,7 +569,39 @@ class InverseKinematics:
                 threads,
                 position_tolerance=position_tolerance,
                 orientation_tolerance=orientation_tolerance,
+                tolerance_frame=tolerance_frame,
                 first_index=index,
+                scene=handle,
+                clear=clear,
+                prefer=prefer,
             )
 
         return solve_ahead(chunks, solve, first_index)
+
+
+def _collider(arm: InverseKinematics, scene: SceneOf | Collider | None) -> Collider | None:
+    """Return what a scene is to the compiled core: the arm's bodies in it."""
+    make = getattr(scene, "collider", None)
+    return cast("Collider | None", scene if make is None else make(arm))
+
+
+def _solver(
+    robot: InverseKinematics,
+    task: Task | str | None,
+    solver: Solver | str,
+    seed: int,
+    tool: ArrayLike | None,
+    position_tolerance: ArrayLike,
+    orientation_tolerance: ArrayLike,
+    tolerance_frame: Literal["base", "tool"] | None,
+) -> TargetSolver:
+    """Make a solver again, as its pickle says."""
+    return robot.solver(
+        task,
+        solver,
+        seed,
+        tool,
+        position_tolerance=position_tolerance,
+        orientation_tolerance=orientation_tolerance,
+        tolerance_frame=tolerance_frame,
+    )

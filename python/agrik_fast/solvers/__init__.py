@@ -68,7 +68,9 @@ Solver: TypeAlias = (
 _SolverT = TypeVar("_SolverT")
 
 
-def load_gains(source: str | PathLike[str], kind: type[_SolverT]) -> _SolverT:
+def load_gains(
+    source: str | PathLike[str], kind: type[_SolverT], *, as_tuned: bool | None = None
+) -> _SolverT:
     """Return the solver of a gain file, which must be of the given kind.
 
     Parameters
@@ -77,11 +79,16 @@ def load_gains(source: str | PathLike[str], kind: type[_SolverT]) -> _SolverT:
         Path of a .toml or .json file, or the name of a bundled set.
     kind : type
         `StateSpace`, `StaticGain` or `IkPid`.
+    as_tuned : bool, optional
+        True: one attempt of at most 1,000 steps from the start that the gains were tuned for,
+        which is how gains are compared. False: the solver's usual start, steps and restarts,
+        which solve more targets. Default: as tuned, with a warning that says which settings
+        this changes.
 
     Returns
     -------
     solver
-        One attempt of at most 1,000 steps from the start the gains were tuned for.
+        The gains in a solver.
 
     Raises
     ------
@@ -90,12 +97,17 @@ def load_gains(source: str | PathLike[str], kind: type[_SolverT]) -> _SolverT:
     GainFileError
         The file holds no valid gains, or gains of another kind of solver.
 
+    Warns
+    -----
+    SettingsWarning
+        Start, steps and restarts are not the usual ones, and `as_tuned` was not given.
+
     Examples
     --------
-    >>> load_gains("hydrolek_k15_cma", StateSpace).robot
+    >>> load_gains("hydrolek_k15_cma", StateSpace, as_tuned=True).robot
     'hydrolek'
     """
     # pydantic, which reads the file, takes longer to import than everything else together.
     from . import gain_file
 
-    return gain_file.load(source, kind)
+    return gain_file.load(source, kind, as_tuned)

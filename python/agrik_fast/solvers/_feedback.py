@@ -58,14 +58,15 @@ class _FromFile:
     __slots__ = ()
 
     @classmethod
-    def load(cls, source: str | PathLike[str]) -> Self:
+    def load(cls, source: str | PathLike[str], *, as_tuned: bool | None = None) -> Self:
         """Return the solver of a gain file, or of a bundled set by its name.
 
-        Short for ``solvers.load_gains(source, kind)`` with this class as the kind.
+        Short for ``solvers.load_gains(source, kind, as_tuned=as_tuned)`` with this class as
+        the kind.
         """
         from . import load_gains
 
-        return load_gains(source, cls)
+        return load_gains(source, cls, as_tuned=as_tuned)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,14 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .._checks import word
 from ._core import check_fields
-
-LARGEST_COUNT = 2**32 - 1
-"""The compiled module counts in 32 bits."""
-
-STARTS = ("sampled", "zero", "middle")
-"""Where a first attempt may start: chosen from the seed, at zero, in the middle."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,8 +76,3 @@ class FeedbackLoop(Loop):
     """
 
     start: str = "sampled"
-
-
-def check_start(start: object) -> None:
-    """Refuse what is none of `STARTS`."""
-    word("start", start, STARTS)

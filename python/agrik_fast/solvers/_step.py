@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
-from .._checks import whole_number
 from ..errors import ArgumentError
+from ._core import check_fields
 from ._feedback import Feedback
-from ._loop import LARGEST_COUNT, JacobianLoop, check_start
+from ._loop import JacobianLoop
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +24,7 @@ class LevenbergMarquardt(JacobianLoop):
     damping : float, default 0.1
         Share of half the squared error that is added to the diagonal; no unit, > 0.
     max_iterations : int, default 10
-    max_restarts : int, default 250
+    max_restarts : int, default 400
     max_step : float, default 1.0
         The loop's, see `JacobianLoop`.
 
@@ -42,7 +42,7 @@ class LevenbergMarquardt(JacobianLoop):
     name: ClassVar[str] = "lm"
     damping: float = 0.1
     max_iterations: int = 10
-    max_restarts: int = 250
+    max_restarts: int = 400
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -201,5 +201,4 @@ class Plain:
         if not isinstance(given, JacobianSolver | Feedback):
             expected = "a solver object that takes steps"
             raise ArgumentError("Plain.solver", repr(given), expected)
-        check_start(self.start)
-        whole_number("Plain.max_iterations", self.max_iterations, 1, LARGEST_COUNT)
+        check_fields(self)

@@ -7,12 +7,13 @@ apart. Unknown keys, wrong types and matrices that do not fit are refused.
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 from functools import partial
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, TypeVar
+from typing import Annotated, Any, Literal, Self, TypeVar, cast
 
 from pydantic import (
     BaseModel,
@@ -26,7 +27,8 @@ from pydantic import (
 from .._atomic import write_bytes
 from .._checks import shown, truth_value
 from .._files import decode, listing, parse_json, parse_toml, read_bytes
-from ..errors import ArgumentError, GainFileError, UnknownNameError
+from .._warnings import warn
+from ..errors import ArgumentError, GainFileError, SettingsWarning, UnknownNameError
 from ._feedback import IDENTITY, IkPid, StateSpace, StaticGain
 
 __all__ = ["GainFile", "bundled", "load", "read", "text", "write"]
@@ -260,7 +262,9 @@ def _read(source: str | PathLike[str]) -> tuple[GainFile, StateSpace | StaticGai
     return content, solver
 
 
-def load(source: str | PathLike[str], kind: type[_SolverT]) -> _SolverT:
+def load(
+    source: str | PathLike[str], kind: type[_SolverT], as_tuned: bool | None = None
+) -> _SolverT:
     """Return the solver of a gain file; see `agrik_fast.solvers.load_gains`."""
     names: dict[object, str] = {known: known.name for known in (StateSpace, StaticGain, IkPid)}
     if kind not in names:
@@ -269,7 +273,34 @@ def load(source: str | PathLike[str], kind: type[_SolverT]) -> _SolverT:
     if not isinstance(solver, kind):
         message = f"holds gains for {solver.name!r}, not for {names[kind]!r}"
         raise GainFileError(str(source), message)
+    if as_tuned is None:
+        _say_what_changed(source, solver)
+    elif not truth_value("as_tuned", as_tuned):
+        usual: Any = {name: field.default for name, field in _loop(solver).items()}
+        return cast(_SolverT, dataclasses.replace(cast(Any, solver), **usual))
     return solver
+
+
+_LOOP = ("max_iterations", "max_restarts", "start")
+
+
+def _loop(solver: object) -> dict[str, dataclasses.Field[Any]]:
+    """Return the fields of the loop that a gain file sets."""
+    return {each.name: each for each in dataclasses.fields(cast(Any, solver)) if each.name in _LOOP}
+
+
+def _say_what_changed(source: str | PathLike[str], solver: object) -> None:
+    changed = [
+        f"{name} {getattr(solver, name)!r} (usually {field.default!r})"
+        for name, field in _loop(solver).items()
+        if getattr(solver, name) != field.default
+    ]
+    if changed:
+        warn(
+            f"{source}: as the gains were tuned, {', '.join(changed)}; as_tuned=False takes the "
+            "usual settings, as_tuned=True these without a word",
+            SettingsWarning,
+        )
 
 
 def text(path: Path, content: GainFile) -> str:
@@ -287,7 +318,9 @@ def text(path: Path, content: GainFile) -> str:
     if path.suffix == ".json":
         return json.dumps(tables, indent=2) + "\n"
     if path.suffix == ".toml":
-        return _toml(tables)
+        import tomli_w
+
+        return tomli_w.dumps(tables)
     raise ArgumentError("output", str(path), "a name that ends in .toml or .json")
 
 
@@ -315,20 +348,3 @@ def write(path: Path, content: GainFile, *, force: bool = True) -> None:
     force = truth_value("force", force)
     refuse = partial(GainFileError, str(path))
     write_bytes(path, text(path, content).encode(), refuse, force=force)
-
-
-def _toml(tables: dict[str, Any]) -> str:
-    lines = [f"{key} = {_value(x)}" for key, x in tables.items() if not isinstance(x, dict)]
-    for name, table in tables.items():
-        if isinstance(table, dict):
-            lines += ["", f"[{name}]", *(f"{key} = {_value(x)}" for key, x in table.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _value(x: object) -> str:
-    if isinstance(x, list) and x and isinstance(x[0], list):
-        return "[\n" + "".join(f"    {_value(row)},\n" for row in x) + "]"
-    if isinstance(x, str):
-        # The escapes of JSON are those of TOML, but for letters beyond 16 bits and DEL.
-        return json.dumps(x, ensure_ascii=False).replace("\x7f", "\\u007f")
-    return json.dumps(x)

@@ -8,6 +8,6 @@ third stream, and tried on goals of a fourth.
 """
 
 from ._plan import Tuning, template
-from ._search import Report, tune
+from ._search import Report, trials, tune
 
-__all__ = ["Report", "Tuning", "template", "tune"]
+__all__ = ["Report", "Tuning", "template", "trials", "tune"]

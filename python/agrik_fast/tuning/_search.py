@@ -15,7 +15,7 @@ from .._checks import FloatArray, shown
 from .._native import Tuner
 from ..errors import ArgumentError, GainFileError
 from ..robot import Robot
-from ..solvers import IkPid
+from ..solvers import IkPid, gain_file
 from ..solvers.gain_file import GainFile, SuccessTable, TrainingTable
 from ._checkpoint import PERIOD_S, Bounds, Progress, prepare, restore, save
 from ._plan import (
@@ -229,12 +229,58 @@ def _content(gains: Gains, robot: Robot, tuning: Tuning, training: TrainingTable
             "units": units,
             "gains": rows,
             "training": training.model_dump(exclude_none=True),
-            "success": _success(gains, robot, tuning).model_dump(exclude_none=True),
+            "success": trial(gains, robot, tuning).model_dump(exclude_none=True),
         }
     )
 
 
-def _success(gains: Gains, robot: Robot, tuning: Tuning) -> SuccessTable:
+def trials(content: GainFile, robot: Robot, tuning: Tuning) -> dict[str, SuccessTable]:
+    """Try tuned gains beside others with the same settings on the goals kept apart.
+
+    Parameters
+    ----------
+    content : GainFile
+        What `tune` returned.
+    robot : Robot
+        The arm.
+    tuning : Tuning
+        How the gains were tuned; start, steps and tolerances are those of every trial.
+
+    Returns
+    -------
+    dict of SuccessTable
+        "tuned"; "default", the gains that the search started from; and those of the package
+        for this robot, kind of solver and task, by their names.
+
+    Raises
+    ------
+    ArgumentError
+        Gains that do not fit the robot.
+    """
+    start_from = template(robot, tuning)
+    loop = {name: getattr(start_from, name) for name in ("start", "max_iterations", "max_restarts")}
+    tuned = content.make()
+    rivals: dict[str, Gains] = {"tuned": tuned, "default": start_from}
+    for name in gain_file.bundled():
+        other = gain_file.read(name)
+        if (other.robot, other.solver) == (robot.name, content.solver):
+            gains = other.make()
+            if _error_rows(gains) == _error_rows(tuned):
+                rivals[name] = gains
+    return {
+        name: trial(dataclasses.replace(gains, **loop), robot, tuning)
+        for name, gains in rivals.items()
+    }
+
+
+def _error_rows(gains: Gains) -> int:
+    """Return of how many rows the error is that gains take: three for positions."""
+    matrix = {"state-space": "B", "static-gain": "K"}.get(gains.name)
+    return 3 if matrix is None else len(getattr(gains, matrix)[0])
+
+
+def trial(gains: Gains, robot: Robot, tuning: Tuning) -> SuccessTable:
+    """Try gains on the goals kept apart from the training."""
     goals = goals_of(robot, tuning, TEST_GOALS, TEST_SEED)
     answer = robot.ik(
         goals,

@@ -7,9 +7,9 @@ generators", 2014), so that other programs can draw the same goals.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .._checks import FloatArray, real_number, whole_number
+from .._splitmix import uniform
 from ..robot import Robot
 
 __all__ = [
@@ -19,9 +19,6 @@ __all__ = [
     "splitmix64",
     "volume_uniform",
 ]
-
-_MASK = 2**64 - 1
-_GAMMA = 0x9E3779B97F4A7C15
 
 
 def splitmix64(seed: int, count: int) -> FloatArray:
@@ -39,13 +36,8 @@ def splitmix64(seed: int, count: int) -> FloatArray:
     ndarray, shape (count,)
         Numbers in [0, 1) with 53 random bits.
     """
-    seed = whole_number("seed", seed, 0, _MASK)
-    index = np.arange(1, whole_number("count", count, 0) + 1, dtype=np.uint64)
-    z: NDArray[np.uint64] = index * np.uint64(_GAMMA) + np.uint64(seed)
-    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    z ^= z >> np.uint64(31)
-    return (z >> np.uint64(11)).astype(np.float64) * 2.0**-53
+    seed = whole_number("seed", seed, 0, 2**64 - 1)
+    return uniform(seed, 0, whole_number("count", count, 0))
 
 
 def joint_uniform_q(robot: Robot, count: int, seed: int) -> FloatArray:

@@ -1,10 +1,14 @@
-//! Python bindings of `agrik`, the module `agrik_fast._native`: converts and checks
+//! Python bindings of `agrik` and the crates beside it, the module `agrik_fast._native`: converts and checks
 //! arguments, releases the interpreter around compute, turns errors into exceptions.
 
 mod arms;
+mod collision;
 mod convert;
 mod errors;
+mod files;
+mod harvest;
 mod ik;
+mod records;
 mod result;
 mod robot;
 mod single_use;
@@ -23,13 +27,29 @@ mod _native {
     #[pymodule_export]
     use arms::tomato::{TomatoArm, ik_paced};
     #[pymodule_export]
+    use collision::bodies::Bodies;
+    #[pymodule_export]
+    use collision::collider::Collider;
+    #[pymodule_export]
+    use collision::distances::Distances;
+    #[pymodule_export]
+    use collision::scene::Scene;
+    #[pymodule_export]
     use errors::_panic;
     #[pymodule_export]
-    use ik::branches::Branches;
+    use files::csv_reader::CsvRows;
+    #[pymodule_export]
+    use files::csv_writer::csv_lines;
+    #[pymodule_export]
+    use harvest::programme::HarvestProgramme;
+    #[pymodule_export]
+    use harvest::station::{HarvestStation, harvest_words};
+    #[pymodule_export]
+    use ik::branches::{Branches, branches};
     #[pymodule_export]
     use ik::control::TargetSolver;
     #[pymodule_export]
-    use result::{IkResult, statuses};
+    use result::{IkResult, ik_result, statuses};
     #[pymodule_export]
     use robot::chain::Chain;
     #[pymodule_export]

@@ -1,14 +1,18 @@
 //! The record of a call's answers; its arrays are made when they are asked for.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use agrik::call::{Answers, Status};
-use numpy::{Element, PyArrayDyn};
+use agrik_motion::{Collider, Contact};
+use numpy::{Element, PyArray, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyString};
 
-use crate::convert::{SMALL, array, copied};
+use crate::convert::{SMALL, array, copied, internal, shape_text};
+use crate::errors;
+use crate::ik::signals::Signals;
+use crate::records::hand_on;
 
 /// Numbers that become an array, once: few of them as a copy, many by handing over their memory.
 pub(crate) struct Column<T> {
@@ -86,6 +90,12 @@ pub struct IkResult {
     orientation_error: Column<f64>,
     iterations: Column<u32>,
     restarts: Column<u32>,
+    /// Codes of `agrik_fast.Warnings`; none where no row has any.
+    warnings: Vec<u8>,
+    /// What the answers were to keep clear of.
+    collider: Option<Arc<Collider>>,
+    /// What that gave, of a record that came from elsewhere: clearances and nearest pairs.
+    near: Option<(Py<PyAny>, Py<PyAny>)>,
 }
 
 impl IkResult {
@@ -110,7 +120,30 @@ impl IkResult {
             orientation_error: Column::new(answers.orientation_error),
             iterations: Column::new(answers.iterations),
             restarts: Column::new(answers.restarts),
+            warnings: Vec::new(),
+            collider: None,
+            near: None,
         }
+    }
+
+    /// The same record with warnings, one a row or none at all.
+    pub fn with_warnings(self, warnings: Vec<u8>) -> Self {
+        Self { warnings, ..self }
+    }
+
+    /// The same record, of answers that were to keep clear of something.
+    pub fn in_scene(self, collider: Option<Arc<Collider>>) -> Self {
+        Self { collider, ..self }
+    }
+
+    /// What is nearest to a collision in each row.
+    fn contacts(&self, py: Python<'_>, collider: &Collider) -> PyResult<Vec<Option<Contact>>> {
+        let q = self.q(py)?;
+        // Another thread may write to the array meanwhile.
+        let values = q.try_readonly().map_err(internal)?.as_slice().map_err(internal)?.to_vec();
+        let mut signals = Signals::new();
+        py.detach(|| collider.nearest_of_each(&values, 0, &mut || signals.go_on_detached()))
+            .map_err(|error| signals.exception(py, error))
     }
 }
 
@@ -160,9 +193,107 @@ impl IkResult {
         self.restarts.get(py, &self.shape)
     }
 
-    fn __repr__(&self) -> String {
-        let names =
-            ["converged", "out of reach", "not found", "bad input", "stalled", "non-finite"];
+    /// Codes of `agrik_fast.Warnings`, 0 for none.
+    #[getter]
+    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
+        let rows = self.shape.iter().product();
+        let none = || vec![0; rows];
+        let all = if self.warnings.is_empty() { none() } else { self.warnings.clone() };
+        array(py, &self.shape, all)
+    }
+
+    /// Distance of each answer from the nearest collision, m; None without a scene.
+    #[getter]
+    fn clearance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        if let Some((clearance, _)) = &self.near {
+            return Ok(Some(clearance.bind(py).clone()));
+        }
+        let Some(collider) = &self.collider else { return Ok(None) };
+        let contacts = self.contacts(py, collider)?;
+        let least = |found: &Option<Contact>| found.map_or(f64::INFINITY, |found| found.distance);
+        let made = array(py, &self.shape, contacts.iter().map(least).collect())?;
+        Ok(Some(made.into_any()))
+    }
+
+    /// Names of a body and of the object or other body nearest to it, shape (..., 2).
+    #[getter]
+    fn nearest_pair<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        if let Some((_, pairs)) = &self.near {
+            return Ok(Some(pairs.bind(py).clone()));
+        }
+        let Some(collider) = &self.collider else { return Ok(None) };
+        let names: Vec<Py<PyAny>> = self
+            .contacts(py, collider)?
+            .iter()
+            .flat_map(|found| found.as_ref().map_or(["", ""], |found| collider.names(found)))
+            .map(|name| PyString::new(py, name).into_any().unbind())
+            .collect();
+        let shape = [&self.shape[..], &[2]].concat();
+        let flat = PyArray::from_vec(py, names);
+        flat.call_method1("reshape", (shape,)).map(Some)
+    }
+
+    fn __len__(slf: &Bound<'_, Self>) -> PyResult<usize> {
+        hand_on(slf, "length", &[])?.extract()
+    }
+
+    /// The record of some of the targets, chosen as in a NumPy array of them.
+    fn __getitem__<'py>(
+        slf: &Bound<'py, Self>,
+        key: Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "take", &[key])
+    }
+
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "iterate", &[])
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "reduce", &[])
+    }
+
+    /// Return the arrays by their names.
+    fn to_dict<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "to_dict", &[])
+    }
+
+    /// Return a `pyarrow.Table`.
+    fn to_arrow<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "to_arrow", &[])
+    }
+
+    /// Return a `pandas.DataFrame`.
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "to_pandas", &[])
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "html_table", &[])
+    }
+
+    fn __bool__(slf: &Bound<'_, Self>) -> PyResult<bool> {
+        hand_on(slf, "truth", &[])?.extract()
+    }
+
+    fn __repr__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let head = PyString::new(slf.py(), &slf.get().outcome()).into_any();
+        hand_on(slf, "text", &[head])
+    }
+}
+
+impl IkResult {
+    /// How many targets ended how, in words.
+    fn outcome(&self) -> String {
+        let names = [
+            "converged",
+            "out of reach",
+            "not found",
+            "bad input",
+            "stalled",
+            "non-finite",
+            "in collision",
+        ];
         let parts: Vec<String> = self
             .counts
             .iter()
@@ -174,8 +305,68 @@ impl IkResult {
         let plural = if total == 1 { "" } else { "s" };
         let outcome =
             if parts.is_empty() { String::new() } else { format!(": {}", parts.join(", ")) };
-        format!("IkResult({total} target{plural}{outcome})")
+        format!("{total} target{plural}{outcome}")
     }
+}
+
+/// An array as numbers of one type, and its shape.
+pub(crate) fn column<T: Element + Copy>(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+) -> PyResult<(Vec<usize>, Vec<T>)> {
+    let array = value
+        .cast::<PyArrayDyn<T>>()
+        .map_err(|_| errors::value(name, value, "an array of the record's type"))?;
+    let numbers = array.try_readonly().map_err(internal)?;
+    Ok((array.shape().to_vec(), numbers.as_array().iter().copied().collect()))
+}
+
+/// The record of arrays that belong together, such as those of another record.
+#[pyfunction]
+#[pyo3(signature = (
+    q, status, position_error, orientation_error, iterations, restarts, warnings,
+    clearance=None, nearest_pair=None
+))]
+#[allow(clippy::too_many_arguments)]
+pub fn ik_result(
+    q: &Bound<'_, PyAny>,
+    status: &Bound<'_, PyAny>,
+    position_error: &Bound<'_, PyAny>,
+    orientation_error: &Bound<'_, PyAny>,
+    iterations: &Bound<'_, PyAny>,
+    restarts: &Bound<'_, PyAny>,
+    warnings: &Bound<'_, PyAny>,
+    clearance: Option<Py<PyAny>>,
+    nearest_pair: Option<Py<PyAny>>,
+) -> PyResult<IkResult> {
+    let (mut wide, q_values) = column("q", q)?;
+    let dof = wide.pop().unwrap_or_default();
+    let (shape, status) = column("status", status)?;
+    let answers = Answers {
+        q: q_values,
+        status,
+        position_error: column("position_error", position_error)?.1,
+        orientation_error: column("orientation_error", orientation_error)?.1,
+        iterations: column("iterations", iterations)?.1,
+        restarts: column("restarts", restarts)?.1,
+    };
+    let warnings = column("warnings", warnings)?.1;
+    let rows: usize = shape.iter().product();
+    let lengths = [
+        answers.position_error.len(),
+        answers.orientation_error.len(),
+        answers.iterations.len(),
+        answers.restarts.len(),
+        warnings.len(),
+    ];
+    if wide != shape || lengths.iter().any(|&length| length != rows) {
+        let received = format!("shape {}", shape_text(&wide));
+        let expected = format!("arrays of the status' shape {}", shape_text(&shape));
+        return Err(errors::argument(q.py(), "q", &received, &expected));
+    }
+    let mut made = IkResult::new(shape, dof, answers).with_warnings(warnings);
+    made.near = clearance.zip(nearest_pair);
+    Ok(made)
 }
 
 /// Return the codes of all statuses by their names.

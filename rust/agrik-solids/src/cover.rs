@@ -9,8 +9,8 @@
 
 use agrik_compute::lanes::sub;
 
-use crate::distance::norm;
-use crate::shapes::{Cuboid, Point};
+use crate::distance::{norm, point_to_core};
+use crate::shapes::{Core, Cuboid, Point, Solid};
 
 /// The finest level: 8^3 spheres.
 pub const FINEST: usize = 3;
@@ -135,6 +135,69 @@ impl Cover {
         }
         let centres = &self.centres[level];
         pairs.into_iter().map(|(i, j)| apart(centres[i], others[j]) - radius).fold(cap, f64::min)
+    }
+}
+
+/// One level of a cover where its box lies: what asks a scene in place of the box.
+#[derive(Debug, Clone, Copy)]
+pub struct Spheres<'a> {
+    cover: &'a Cover,
+    level: usize,
+    cuboid: Cuboid,
+    /// The box with all that the spheres can reach beyond it.
+    around: f64,
+    radius: f64,
+    cells: Point,
+}
+
+impl<'a> Spheres<'a> {
+    /// The spheres of a level of a cover, each larger by `radius` (m), where the box is.
+    pub fn new(cover: &'a Cover, level: usize, cuboid: Cuboid, radius: f64) -> Self {
+        let (all, cell) = (cover.half(0), cover.half(level));
+        let cells = [0, 1, 2].map(|k| if cell[k] > 0.0 { (all[k] / cell[k]).round() } else { 1.0 });
+        let around = cover.overestimate(level) + radius + 1e-13 * cover.radius(0);
+        let radius = radius + cover.radius(level);
+        Self { cover, level, cuboid, around, radius, cells }
+    }
+
+    /// A solid that holds all spheres: the box with a radius.
+    pub(crate) fn hull(&self) -> Solid {
+        Solid::known(Core::Cuboid(self.cuboid), self.around)
+    }
+
+    /// Distance of the nearest sphere from a sphere (x, y, z, radius, m), m. The centres are
+    /// the points of a grid, so that of the nearest one is known at once.
+    pub(crate) fn to_sphere(&self, [x, y, z, r]: [f64; 4]) -> f64 {
+        let (local, cell) = (self.cuboid.local([x, y, z]), self.cover.half(self.level));
+        let off = [0, 1, 2].map(|k| {
+            if cell[k] == 0.0 {
+                return local[k];
+            }
+            let (last, width) = (self.cells[k] - 1.0, 2.0 * cell[k]);
+            let at = ((local[k] + self.cover.half(0)[k]) / width).floor().clamp(0.0, last);
+            local[k] - (at.mul_add(2.0, -last) * cell[k])
+        });
+        norm(off) - self.radius - r
+    }
+
+    /// Distance of the nearest sphere from a solid, m; a number above `cap` (m) where it is
+    /// farther away than that.
+    pub(crate) fn to_solid(&self, solid: &Solid, cap: f64) -> f64 {
+        let mut least = f64::INFINITY;
+        let mut open = vec![(0, 0)];
+        while let Some((level, index)) = open.pop() {
+            let centre = self.cuboid.point(self.cover.centres(level)[index]);
+            let away = point_to_core(centre, solid.core()) - solid.radius() - self.radius;
+            if level == self.level {
+                least = least.min(away);
+                continue;
+            }
+            let spread = norm(sub(self.cover.half(level), self.cover.half(self.level)));
+            if away - spread <= least.min(cap) + 1e-13 * self.cover.radius(0) {
+                open.extend((0..8).rev().map(|child| (level + 1, 8 * index + child)));
+            }
+        }
+        least
     }
 }
 

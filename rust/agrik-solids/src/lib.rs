@@ -22,8 +22,8 @@ pub mod sphere_tree;
 
 pub use agrik_compute::{Error, Result, lanes};
 pub use broad_phase::BroadPhase;
-pub use cover::{Cover, Split};
-pub use distance::{Closest, closest, distance, overlaps, within};
+pub use cover::{Cover, Spheres, Split};
+pub use distance::{Closest, closest, distance, distance_within, overlaps, within};
 pub use pose::Pose;
 pub use scene::{Exemption, Nearest, Object, Scene};
 pub use shapes::{Cloud, Core, Cuboid, HalfSpace, Hull, Point, Segment, Solid};

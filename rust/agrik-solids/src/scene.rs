@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use agrik_compute::lanes::Level;
 use agrik_compute::{Allowed, Error, Result};
 
-use crate::broad_phase::{BroadPhase, Exempt, Found};
+use crate::broad_phase::{Asking, BroadPhase, Exempt, Found};
+use crate::cover::Spheres;
 use crate::distance::closest;
 use crate::shapes::{Cloud, LARGEST, Point, Solid};
 
@@ -70,6 +71,12 @@ impl Exemption {
     /// No object is left out.
     pub fn none() -> Self {
         Self::default()
+    }
+
+    /// The same with some more objects, by their indices, of a scene of `count`.
+    #[must_use]
+    pub fn and(&self, more: impl IntoIterator<Item = usize>, count: usize) -> Self {
+        Self(self.0.and(more.into_iter().map(|index| index as u32), count as u32))
     }
 }
 
@@ -200,28 +207,68 @@ impl Scene {
     /// An object that [`Scene::hits`] is true for, or none. Which one of several is not said,
     /// but always the same.
     pub fn hit(&self, solid: &Solid, exempt: &Exemption, clear: f64) -> Option<usize> {
+        self.hit_by(Asking::Solid(solid), exempt, clear)
+    }
+
+    /// [`Scene::hits`] of the spheres of a cover.
+    pub fn spheres_hit(&self, spheres: &Spheres<'_>, exempt: &Exemption, clear: f64) -> bool {
+        self.hit_by(Asking::Spheres(spheres), exempt, clear).is_some()
+    }
+
+    fn hit_by(&self, asking: Asking<'_>, exempt: &Exemption, clear: f64) -> Option<usize> {
         let limit = |label: u32| self.objects[label as usize].clearance.max(clear);
         let most = self.clearance.max(clear);
-        self.phase.any_within(solid, &exempt.0, most, limit).map(|label| label as usize)
+        self.phase.any_within(asking, &exempt.0, most, limit).map(|label| label as usize)
     }
 
     /// Distance of the nearest object, and `cap` where that is less, m: infinity from an empty
     /// scene without a cap. `cap` is not NaN; the less it is, the quicker the answer.
     pub fn distance(&self, solid: &Solid, exempt: &Exemption, cap: f64) -> f64 {
-        self.phase.nearest(solid, &exempt.0, cap).map_or(cap, |found| found.distance)
+        let found = self.phase.nearest(Asking::Solid(solid), &exempt.0, cap);
+        found.map_or(cap, |found| found.distance)
+    }
+
+    /// [`Scene::distance`] of the spheres of a cover: of the nearest of them.
+    pub fn spheres_distance(&self, spheres: &Spheres<'_>, exempt: &Exemption, cap: f64) -> f64 {
+        let found = self.phase.nearest(Asking::Spheres(spheres), &exempt.0, cap);
+        found.map_or(cap, |found| found.distance)
+    }
+
+    /// Shows the index of every object that a solid has within `cap` (m); some come twice.
+    pub fn each_within(
+        &self,
+        solid: &Solid,
+        exempt: &Exemption,
+        cap: f64,
+        mut show: impl FnMut(usize),
+    ) {
+        let show = |found: Found| show(found.label as usize);
+        self.phase.each_within(Asking::Solid(solid), &exempt.0, cap, show);
+    }
+
+    /// [`Scene::each_within`] of the spheres of a cover.
+    pub fn each_within_spheres(
+        &self,
+        spheres: &Spheres<'_>,
+        exempt: &Exemption,
+        cap: f64,
+        mut show: impl FnMut(usize),
+    ) {
+        let show = |found: Found| show(found.label as usize);
+        self.phase.each_within(Asking::Spheres(spheres), &exempt.0, cap, show);
     }
 
     /// The nearest object, if it is `cap` (m) or less away, and where they come nearest. Of
     /// several at the same distance it is the first.
     pub fn nearest(&self, solid: &Solid, exempt: &Exemption, cap: f64) -> Option<Nearest> {
-        let found = self.phase.nearest(solid, &exempt.0, cap)?;
+        let found = self.phase.nearest(Asking::Solid(solid), &exempt.0, cap)?;
         Some(self.witnessed(solid, &found))
     }
 
     /// Every object that is `cap` (m) or less away, the nearest first, with the distance.
     pub fn all_within(&self, solid: &Solid, exempt: &Exemption, cap: f64) -> Vec<Nearest> {
         let mut by_object: HashMap<u32, Found> = HashMap::new();
-        self.phase.each_within(solid, &exempt.0, cap, |found| {
+        self.phase.each_within(Asking::Solid(solid), &exempt.0, cap, |found| {
             let best = by_object.entry(found.label).or_insert(found);
             if found.distance < best.distance {
                 *best = found;

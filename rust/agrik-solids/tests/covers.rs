@@ -8,7 +8,7 @@ mod common;
 
 use agrik_solids::cover::FINEST;
 use agrik_solids::distance::point_cuboid;
-use agrik_solids::{Cover, Cuboid, Point, Split};
+use agrik_solids::{Cloud, Cover, Cuboid, Exemption, Object, Point, Scene, Solid, Spheres, Split};
 use common::{Random, norm, rotation, sub};
 
 const SPLITS: [Split; 2] = [Split::Equal, Split::NearCubic];
@@ -138,6 +138,45 @@ fn the_way_through_the_levels_gives_what_all_pairs_give() {
                     assert_eq!(found, all, "{split:?}, level {level}, cap {cap}");
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn spheres_ask_a_scene_as_all_pairs_would() {
+    let mut random = Random::new(9);
+    for _ in 0..30 {
+        let cuboid = cuboid(&mut random);
+        let point = |random: &mut Random| [0, 1, 2].map(|_| random.between(-2.0, 2.0));
+        let points: Vec<Point> = (0..60).map(|_| point(&mut random)).collect();
+        let radius = random.between(0.0, 0.05);
+        let capsule = [point(&mut random), point(&mut random)];
+        let scene = Scene::new(vec![
+            Object::new("cloud", "leaf").with_cloud(Cloud::new(&points, radius).unwrap()),
+            Object::new("stem", "stem").with(Solid::capsule(capsule[0], capsule[1], 0.02).unwrap()),
+        ])
+        .unwrap();
+        let balls: Vec<[f64; 4]> = points.iter().map(|p| [p[0], p[1], p[2], radius]).collect();
+        for (split, level) in SPLITS.iter().flat_map(|split| (0..=FINEST).map(move |k| (split, k)))
+        {
+            let cover = Cover::new(&cuboid, *split);
+            let more = random.between(0.0, 0.02);
+            let spheres = Spheres::new(&cover, level, cuboid, more);
+            let to_stem = |centre: &Point| {
+                let ball = Solid::sphere(cuboid.point(*centre), cover.radius(level)).unwrap();
+                agrik_solids::distance(&ball, &scene.objects()[1].solids[0])
+            };
+            let stem = cover.centres(level).iter().map(to_stem).fold(f64::INFINITY, f64::min);
+            let all = cover.brute_force(level, &cuboid, &balls, f64::INFINITY).min(stem) - more;
+            let none = Exemption::none();
+            let found = scene.spheres_distance(&spheres, &none, f64::INFINITY);
+            assert!((found - all).abs() < 1e-12, "{split:?} {level}: {found} {all}");
+            assert_eq!(scene.spheres_distance(&spheres, &none, all - 0.01), all - 0.01);
+            assert!(scene.spheres_hit(&spheres, &none, all.max(0.0) + 1e-9));
+            assert!(all <= 0.0 || !scene.spheres_hit(&spheres, &none, all - 1e-9));
+            let mut within = Vec::new();
+            scene.each_within_spheres(&spheres, &none, stem - more + 1e-9, |o| within.push(o));
+            assert!(within.contains(&1));
         }
     }
 }

@@ -5,22 +5,39 @@
 //! last kind (singular postures at joint limits, mostly) go on to the step solver, each by
 //! itself: with the request's seed and its own index, so that its answer does not depend on
 //! what else is in the batch.
+//!
+//! Of an arm on a slide the slide is swept, and the arm behind it solved in closed form; that
+//! proves nothing, so the step solver gets all that the sweep leaves open.
 
 use std::sync::OnceLock;
 
-use crate::call::{AnswersMut, Request, Solve, Status};
-use crate::closed_form::{ArmAngle, Choice, Query};
+use crate::call::{AnswersMut, Outcome, Request, Solve, Status};
+use crate::closed_form::{AnyArm, ArmAngle, Choice, ClosedForm, Every, Lead, Query, Sweep};
 use crate::error::Result;
 use crate::lanes::Level;
 use crate::solve::{Plan, Settings};
 
 /// So many open targets are solved together: enough to fill the lanes.
 const TOGETHER: usize = 64;
+/// Rows that a thread takes at a time where each is a sweep.
+const SWEPT: usize = 16;
+
+/// How the closed form is asked.
+#[derive(Debug, Clone)]
+enum Form<'a> {
+    /// For the best branch of each target.
+    Query(Query<'a>),
+    /// The same of an arm on a slide.
+    Sweep(Box<Sweep<'a>>),
+    /// An arm whose branches cost less than the step solver's answer: three parallel axes, or
+    /// first three that meet.
+    Six(&'a Every),
+}
 
 /// A request to the closed form with the default step solver behind it.
 #[derive(Debug, Clone)]
 pub struct Auto<'a> {
-    query: Query<'a>,
+    form: Form<'a>,
     request: Request<'a>,
     /// Made for the first target that needs it: mostly none does.
     plan: OnceLock<Result<Box<Plan<'a>>>>,
@@ -28,10 +45,62 @@ pub struct Auto<'a> {
 
 impl<'a> Auto<'a> {
     /// A checked request for full poses of an arm with a closed form; the nearest branch, of
-    /// all arm angles where one is free.
+    /// all arm angles or places of the slide where one is free.
     pub fn new(request: Request<'a>) -> Result<Self> {
-        let query = Query::new(request, ArmAngle::Free, Choice::default())?;
-        Ok(Self { query, request, plan: OnceLock::new() })
+        let form = match Sweep::new(request)? {
+            Some(sweep) => Form::Sweep(Box::new(sweep)),
+            None => match six(&request) {
+                Some(every) => Form::Six(every),
+                None => Form::Query(Query::new(request, ArmAngle::Free, Choice::default())?),
+            },
+        };
+        Ok(Self { form, request, plan: OnceLock::new() })
+    }
+
+    /// A request that [`Self::new`] takes.
+    pub fn knows(request: &Request<'_>) -> bool {
+        let chain = request.chain();
+        // Neither a sweep nor the branches of other arms ask what answers must not hit.
+        let others = || {
+            request.guard().is_none() && (Lead::slide(chain).is_some() || six(request).is_some())
+        };
+        request.task().fixes_pose() && (ClosedForm::of(chain).is_ok() || others())
+    }
+
+    /// Puts the closed form's answers into rows; false where `keep_going` said no.
+    fn ask(
+        &self,
+        level: Level,
+        rows: &mut AnswersMut<'_>,
+        keep_going: &mut dyn FnMut() -> bool,
+    ) -> bool {
+        match &self.form {
+            Form::Query(query) => {
+                let mut all = Some(rows.reborrow());
+                query.run(level, &mut || all.take(), keep_going)
+            }
+            Form::Six(every) => {
+                if let Some(arm) = every.closed() {
+                    let any = AnyArm { request: self.request, every, lock: None, added: None };
+                    any.answer(level, arm, rows);
+                }
+                keep_going()
+            }
+            Form::Sweep(sweep) => (0..rows.len()).all(|i| {
+                if !sweep.answer(rows, i) {
+                    let open = Outcome::unanswered(Status::NotFound);
+                    rows.finish(i, open);
+                }
+                keep_going()
+            }),
+        }
+    }
+
+    /// A target may have answers that the closed form has not found: of an arm with a free arm
+    /// angle also some that are accepted where those looked at are not.
+    fn is_open(&self, row: &AnswersMut<'_>) -> bool {
+        let redundant = matches!(&self.form, Form::Query(query) if query.is_redundant());
+        row.any(Status::NotFound) || row.any(Status::InCollision) && redundant
     }
 
     /// Solves what is left open; false where `keep_going` said no.
@@ -57,15 +126,29 @@ impl<'a> Auto<'a> {
     }
 }
 
+/// The arm of a request, where it has a closed form of six joints that is no older family's; not
+/// for calls with a guard, which the step solver knows how to ask.
+fn six<'a>(request: &Request<'a>) -> Option<&'a Every> {
+    if request.guard().is_some() || ClosedForm::of(request.chain()).is_ok() {
+        return None;
+    }
+    let every = Every::of(request.chain()).ok()?;
+    every.closed().is_some().then_some(every)
+}
+
 impl Solve for Auto<'_> {
     fn rows(&self) -> usize {
-        self.query.rows()
+        self.request.len()
     }
     fn dof(&self) -> usize {
-        self.query.dof()
+        self.request.chain().dof()
     }
     fn run_length(&self) -> usize {
-        self.query.run_length()
+        match &self.form {
+            Form::Query(query) => query.run_length(),
+            Form::Sweep(_) => SWEPT,
+            Form::Six(_) => TOGETHER,
+        }
     }
     fn run<'b>(
         &self,
@@ -75,13 +158,12 @@ impl Solve for Auto<'_> {
     ) -> bool {
         let mut open = Vec::new();
         while let Some(mut rows) = next() {
-            let mut all = Some(rows.reborrow());
-            if !self.query.run(level, &mut || all.take(), keep_going) {
+            if !self.ask(level, &mut rows, keep_going) {
                 return false;
             }
-            if rows.any(Status::NotFound) {
+            if rows.any(Status::NotFound) || rows.any(Status::InCollision) {
                 let single = rows.split(1).into_iter();
-                open.extend(single.filter(|row| row.any(Status::NotFound)));
+                open.extend(single.filter(|row| self.is_open(row)));
             }
             if open.len() >= TOGETHER && !self.go_on(level, &mut open, keep_going) {
                 return false;

@@ -1,11 +1,11 @@
 //! All solvers by their names, and one way to ask any of them.
 
 use crate::auto::Auto;
-use crate::call::{AnswersMut, Request, Solve};
-use crate::closed_form::{ArmAngle, Choice, ClosedForm, Query};
+use crate::call::{AnswersMut, Prefer, Request, Solve};
+use crate::closed_form::{ArmAngle, Choice, Query};
 use crate::error::Result;
 use crate::lanes::Level;
-use crate::solve::{Plan, Settings, population};
+use crate::solve::{Climb, Plan, Settings, population};
 
 /// A solver with its settings.
 #[derive(Debug, Clone)]
@@ -69,6 +69,14 @@ impl Solver {
 
     /// A request to this solver, checked and ready.
     pub fn call<'a>(&self, request: Request<'a>) -> Result<Call<'a>> {
+        let call = self.plain_call(request)?;
+        match request.guard().filter(|guard| guard.prefer == Prefer::Clearance) {
+            Some(guard) => Ok(Call::Climb(Box::new(Climb::new(request, guard, call)?))),
+            None => Ok(call),
+        }
+    }
+
+    fn plain_call<'a>(&self, request: Request<'a>) -> Result<Call<'a>> {
         match self {
             Self::Step(settings) => Ok(Call::Plan(Plan::new(request, settings.clone())?)),
             Self::Population(settings) => {
@@ -79,11 +87,7 @@ impl Solver {
                 let query = Query::new(request, angle, *choice)?;
                 Ok(Call::Query(if *proof { query.with_proof() } else { query }))
             }
-            Self::Auto
-                if request.task().fixes_pose() && ClosedForm::of(request.chain()).is_ok() =>
-            {
-                Ok(Call::Auto(Auto::new(request)?))
-            }
+            Self::Auto if Auto::knows(&request) => Ok(Call::Auto(Auto::new(request)?)),
             Self::Auto => Ok(Call::Plan(Plan::new(request, Settings::default())?)),
         }
     }
@@ -106,6 +110,8 @@ pub enum Call<'a> {
     Query(Query<'a>),
     /// Of a closed form, with the default step solver behind it.
     Auto(Auto<'a>),
+    /// Of any of them, whose answers are moved away from what they must not hit.
+    Climb(Box<Climb<'a, Self>>),
 }
 
 impl Call<'_> {
@@ -116,6 +122,7 @@ impl Call<'_> {
             Self::Evolution(evolution) => evolution,
             Self::Query(query) => query,
             Self::Auto(auto) => auto,
+            Self::Climb(climb) => &**climb,
         }
     }
 }

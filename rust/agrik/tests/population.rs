@@ -49,7 +49,7 @@ fn reachable(chain: &Chain, count: usize, seed: u64) -> Vec<[f64; 16]> {
 }
 
 fn request<'a>(chain: &'a Chain, poses: &'a [[f64; 16]], starts: Starts<'a>) -> Request<'a> {
-    let tolerance = Tolerance { position: 1e-4, orientation: 1e-3 };
+    let tolerance = Tolerance { position: 1e-4, orientation: 1e-3, ..Tolerance::default() };
     common::arms::request(chain, Task::Pose, tolerance, Goals::Poses(poses), starts).with_seed(3, 0)
 }
 

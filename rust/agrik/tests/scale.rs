@@ -271,7 +271,11 @@ fn wide_tolerances_are_used() {
             target.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
         }
         let mut call = Call::new(&chain, Task::Pose);
-        call.tolerance = Tolerance { position: 1e-3, orientation: 2.0 * off.to_radians() };
+        call.tolerance = Tolerance {
+            position: 1e-3,
+            orientation: 2.0 * off.to_radians(),
+            ..Tolerance::default()
+        };
         assert_solved(&call, &targets, "wide");
     }
 }

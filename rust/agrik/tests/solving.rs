@@ -16,7 +16,7 @@ use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 const CHAINS: usize = 1000;
 const TARGETS: usize = 4;
 /// Loose enough for chains of a hundred metres, whose poses carry 1e-13 m of rounding.
-const TOLERANCE: Tolerance = Tolerance { position: 1e-5, orientation: 1e-5 };
+const TOLERANCE: Tolerance = Tolerance { position: 1e-5, orientation: 1e-5, axes: None };
 
 fn row_major(pose: &Matrix4<f64>) -> [f64; 16] {
     std::array::from_fn(|i| pose[(i / 4, i % 4)])
@@ -45,7 +45,8 @@ fn errors(task: &Task, reached: &Matrix4<f64>, wanted: &Matrix4<f64>) -> (f64, f
         nalgebra::Vector3::new(m[(2, 1)] - m[(1, 2)], m[(0, 2)] - m[(2, 0)], m[(1, 0)] - m[(0, 1)]);
     let angle = sine.norm().atan2(m.trace() - 1.0);
     match *task {
-        Task::Position => (way.norm(), 0.0),
+        // An orientation is told, not asked for.
+        Task::Position | Task::PositionFirst => (way.norm(), 0.0),
         Task::Pose => (way.norm(), angle),
         Task::Axis { tool_axis } => {
             let axis = nalgebra::Vector3::from(tool_axis);

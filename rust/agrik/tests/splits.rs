@@ -34,7 +34,7 @@ fn solvers() -> Vec<Solver> {
     Solver::names().filter_map(Solver::named).map(few).collect()
 }
 
-fn tasks() -> [Task; 5] {
+fn tasks() -> [Task; 6] {
     let weights = [1.0, 0.5, 1.0, 0.0, 0.0, 2.0];
     [
         Task::Position,
@@ -42,6 +42,7 @@ fn tasks() -> [Task; 5] {
         Task::Axis { tool_axis: [0.6, 0.0, 0.8] },
         Task::Masked { weights, frame: MaskFrame::Tool },
         Task::Masked { weights, frame: MaskFrame::Base },
+        Task::PositionFirst,
     ]
 }
 
@@ -113,7 +114,7 @@ proptest! {
         let (poses, starts) = targets_and_starts(&chain, seed);
         for (i, solver) in solvers().into_iter().enumerate() {
             // Two tasks a solver, others for each chain.
-            for task in tasks().into_iter().cycle().skip((seed as usize % 5) + i).take(2) {
+            for task in tasks().into_iter().cycle().skip((seed as usize % 6) + i).take(2) {
                 for starts in [None, Some(&starts[..])] {
                     for level in levels() {
                         let call = (&chain, task, &solver);

@@ -450,7 +450,7 @@ fn no_reachable_pose_is_proven_out_of_reach() {
         let turned = Rotation3::from_scaled_axis(turn).into_inner() * pose.fixed_view::<3, 3>(0, 0);
         pose.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
         let goals = rows_of(&[pose]);
-        let tolerance = Tolerance { position: size, orientation: size };
+        let tolerance = Tolerance { position: size, orientation: size, ..Tolerance::default() };
         let aim = Aim::new(&chain, Task::Pose, tolerance, None).expect("an aim");
         let request = Request::new(&chain, aim, Goals::Poses(&goals), Starts::Free);
         let query = Query::new(request.expect("a request"), ArmAngle::Free, Choice::Nearest);

@@ -32,9 +32,9 @@ def edge_solvers() -> dict[str, JacobianSolver | Feedback]:
         "pseudo-inverse": ClosedPseudoInverse(),
         "transpose": Transpose(),
         "damped, 200 mm": DampedLeastSquares(damping=0.2),
-        "IK-PID, Kp 0.02": IkPid.load("hydrolek_pid_published_kp"),
-        "IK-PID, tuned": IkPid.load("hydrolek_pid_published_tuned"),
-        "state space, optimised": StateSpace.load("hydrolek_full90_pso"),
+        "IK-PID, Kp 0.02": IkPid.load("hydrolek_pid_published_kp", as_tuned=True),
+        "IK-PID, tuned": IkPid.load("hydrolek_pid_published_tuned", as_tuned=True),
+        "state space, optimised": StateSpace.load("hydrolek_full90_pso", as_tuned=True),
     }
 
 

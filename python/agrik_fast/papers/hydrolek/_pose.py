@@ -56,11 +56,11 @@ class PoseRow(NamedTuple):
 def pose_solvers() -> dict[str, JacobianSolver | Feedback]:
     """Return the methods that are tried on poses."""
     return {
-        "IK-PID, published": IkPid.load("hydrolek_pid_published_tuned"),
+        "IK-PID, published": IkPid.load("hydrolek_pid_published_tuned", as_tuned=True),
         "transpose": Transpose(),
         "damped, 200 mm": DampedLeastSquares(damping=0.2),
         "static gain, untuned": StaticGain(),
-        "static gain, tuned for poses": StaticGain.load(POSE_GAINS),
+        "static gain, tuned for poses": StaticGain.load(POSE_GAINS, as_tuned=True),
         "LM, one attempt": LevenbergMarquardt(),
     }
 

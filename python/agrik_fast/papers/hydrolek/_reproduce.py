@@ -75,7 +75,7 @@ def reproduce(directory: Path, report: Callable[[str], None] | None = None) -> l
     files.append(write_csv(directory / "singular_start.csv", head, rows))
     say("figures 4 to 7")
     goal = displaced_goal(robot, "zero")
-    hot = IkPid.load("hydrolek_pid_published_hot")
+    hot = IkPid.load("hydrolek_pid_published_hot", as_tuned=True)
     traces = {
         f"Kp = {kp}": error_trace(robot, replace(hot, kp=kp), goal, "zero", 60, 1e-4)
         for kp in (0.0848, 0.0847, 0.02)
@@ -83,17 +83,21 @@ def reproduce(directory: Path, report: Callable[[str], None] | None = None) -> l
     files += _figures.error_traces(directory, "figure4", {"IK-PID, Ki = Kd = 0": traces}, "sweeps")
     sets = {"trial and error": "hydrolek_trial_published", "optimised": "hydrolek_full90_pso"}
     panels = {
-        title: {title: error_trace(robot, StateSpace.load(name), goal, "zero", 400, 1e-4)}
+        title: {
+            title: error_trace(robot, StateSpace.load(name, as_tuned=True), goal, "zero", 400, 1e-4)
+        }
         for title, name in sets.items()
     }
     files += _figures.error_traces(directory, "figure5", panels, "iterations")
-    solver = StateSpace.load("hydrolek_full90_pso")
+    solver = StateSpace.load("hydrolek_full90_pso", as_tuned=True)
     answer = robot.ik(goals, solver=solver, position_tolerance=1e-3)
     turn = robot.frames["paper"][:3, :3]
     files += _figures.workspace(directory, goals @ turn.T, answer.success)
     arm = planar_arm()
     found = arm.ik(
-        np.array([5.0, 0.0, 0.0]), solver=StateSpace.load("planar3_claim"), position_tolerance=0.02
+        np.array([5.0, 0.0, 0.0]),
+        solver=StateSpace.load("planar3_claim", as_tuned=True),
+        position_tolerance=0.02,
     )
     cloud = arm.fk(joint_uniform_q(arm, 4000, 3))[:, :2, 3]
     files += _figures.planar(directory, cloud, arm.fk_links(found.q)[:, :2, 3])

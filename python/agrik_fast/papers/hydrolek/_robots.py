@@ -53,7 +53,7 @@ def tuned_robots() -> list[RobotRow]:
         arm = Robot.load(name)
         goals = joint_uniform(arm, GOALS, 1)
         found: list[tuple[int, float, int]] = []
-        for gains in (StaticGain(start=START), StaticGain.load(gains_of(name))):
+        for gains in (StaticGain(start=START), StaticGain.load(gains_of(name), as_tuned=True)):
             solver: Feedback = gains
             ended = arm.ik(goals, solver=plain(solver, START), position_tolerance=1e-3)
             again = replace(gains, start="sampled", max_restarts=20, max_iterations=400)

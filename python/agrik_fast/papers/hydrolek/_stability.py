@@ -108,7 +108,7 @@ def stability(robot: Robot) -> list[Stability]:
     """Return what is known of each of `SETS`, and of the static gain of the last one."""
     postures = joint_uniform_q(robot, POSTURES, 5)
     sets: dict[str, StateSpace | StaticGain] = {
-        name: StateSpace.load(file) for name, file in SETS.items()
+        name: StateSpace.load(file, as_tuned=True) for name, file in SETS.items()
     }
     sets["static gain of the 15"] = static_gain("hydrolek_k15_cma")
     rows = []

@@ -128,7 +128,7 @@ def _draw_stability(directory: Path, robot: Robot, turn: FloatArray) -> list[Pat
     drawing = figure(PAGE_WIDTH, 3.6)
     panels = drawing.subplots(1, 2, sharey=True)
     for axes, name in zip(panels, ("trial (published)", "15 numbers (CMA-ES)"), strict=True):
-        gains = StateSpace.load(SETS[name])
+        gains = StateSpace.load(SETS[name], as_tuned=True)
         goals, q, status = missed_and_reached(robot, gains)
         points, reached = 1000 * goals @ turn.T, status == Status.CONVERGED
         radius = spectral_radius(robot, gains, q)

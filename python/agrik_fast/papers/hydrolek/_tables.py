@@ -64,7 +64,7 @@ def planar_arm() -> Robot:
 
 def static_gain(name: str) -> StaticGain:
     """Return the gain that a bundled state space settles to."""
-    source = StateSpace.load(name)
+    source = StateSpace.load(name, as_tuned=True)
     return StaticGain(
         K=matrix("K", source.static_gain()),
         length_unit_m=source.length_unit_m,
@@ -82,9 +82,15 @@ def methods() -> dict[str, tuple[JacobianSolver | Feedback, str]]:
         "pseudo-inverse, SVD": (PseudoInverse(cutoff=1e-9), "pseudo-inverse"),
         "transpose": (Transpose(), "transpose"),
         "damped, 200 mm": (DampedLeastSquares(damping=0.2), "damped"),
-        "IK-PID, published": (IkPid.load("hydrolek_pid_published_tuned"), "IK-PID"),
-        "state space, 90 (PSO)": (StateSpace.load("hydrolek_full90_pso"), "state space"),
-        "state space, 15 (CMA-ES)": (StateSpace.load("hydrolek_k15_cma"), "state space"),
+        "IK-PID, published": (IkPid.load("hydrolek_pid_published_tuned", as_tuned=True), "IK-PID"),
+        "state space, 90 (PSO)": (
+            StateSpace.load("hydrolek_full90_pso", as_tuned=True),
+            "state space",
+        ),
+        "state space, 15 (CMA-ES)": (
+            StateSpace.load("hydrolek_k15_cma", as_tuned=True),
+            "state space",
+        ),
         "static gain, 15": (gain, "state space"),
         "Broyden from static gain": (Broyden.from_gain(gain), ""),
         "coordinate descent": (CyclicCoordinateDescent(), ""),
@@ -181,10 +187,10 @@ def success_counts(robot: Robot) -> list[list[object]]:
     The last column: how many of those lost of the first set J are at the workspace's edge.
     """
     solvers: Mapping[str, JacobianSolver | Feedback] = {
-        "IK-PID, Kp 0.02": IkPid.load("hydrolek_pid_published_kp"),
-        "IK-PID, tuned": IkPid.load("hydrolek_pid_published_tuned"),
-        "state space, trial": StateSpace.load("hydrolek_trial_published"),
-        "state space, optimised": StateSpace.load("hydrolek_full90_pso"),
+        "IK-PID, Kp 0.02": IkPid.load("hydrolek_pid_published_kp", as_tuned=True),
+        "IK-PID, tuned": IkPid.load("hydrolek_pid_published_tuned", as_tuned=True),
+        "state space, trial": StateSpace.load("hydrolek_trial_published", as_tuned=True),
+        "state space, optimised": StateSpace.load("hydrolek_full90_pso", as_tuned=True),
         "pseudo-inverse": ClosedPseudoInverse(),
         "transpose": Transpose(),
         "damped, 200 mm": DampedLeastSquares(damping=0.2),
@@ -215,7 +221,7 @@ def units(robot: Robot) -> list[list[object]]:
             row: list[object] = [reading, start]
             for gains in ("hot", "kp", "tuned"):
                 solver = replace(
-                    IkPid.load(f"hydrolek_pid_published_{gains}"),
+                    IkPid.load(f"hydrolek_pid_published_{gains}", as_tuned=True),
                     length_unit_m=length,
                     angle_unit_rad=angle,
                 )
@@ -270,9 +276,9 @@ def singular_start() -> list[list[object]]:
         "pseudo-inverse": PseudoInverse(cutoff=1e-9),
         "damped, 1 m": DampedLeastSquares(damping=1.0),
         "IK-PID, 5 degrees a unit": five,
-        "state space, claim": StateSpace.load("planar3_claim"),
-        "state space, set": StateSpace.load("planar3_set"),
-        "state space, full": StateSpace.load("planar3_set_full"),
+        "state space, claim": StateSpace.load("planar3_claim", as_tuned=True),
+        "state space, set": StateSpace.load("planar3_set", as_tuned=True),
+        "state space, full": StateSpace.load("planar3_set_full", as_tuned=True),
     }
     others = joint_uniform(arm, GOALS, 1)
     rows: list[list[object]] = []

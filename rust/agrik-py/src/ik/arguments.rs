@@ -5,13 +5,14 @@
 //! keeps the first half and only takes the second. Who has a choice of solvers reads that
 //! argument (`solvers::solver::chosen`).
 
-use agrik::call::{Aim, Request, Starts, Tolerance};
+use agrik::call::{Aim, Near, Request, Starts, Tolerance};
 use agrik::chain::{Chain, Tail};
 use agrik::closed_form::ArmAngle;
+use agrik::task::{MaskFrame, Task};
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::PyFloat;
+use pyo3::types::{PyFloat, PyString};
 
 use super::targets::{Targets, first_not_rigid, goals, not_rigid_error};
 use super::task;
@@ -29,6 +30,7 @@ pub struct Arguments<'a, 'py> {
     pub threads: Option<&'a Bound<'py, PyAny>>,
     pub position_tolerance: Option<&'a Bound<'py, PyAny>>,
     pub orientation_tolerance: Option<&'a Bound<'py, PyAny>>,
+    pub tolerance_frame: Option<&'a Bound<'py, PyAny>>,
     pub first_index: Option<&'a Bound<'py, PyAny>>,
 }
 
@@ -48,7 +50,8 @@ impl Options {
     pub fn new(chain: &Chain, given: &Arguments<'_, '_>, are_poses: bool) -> PyResult<Self> {
         let py = given.targets.py();
         let wanted = task::wanted(given.task, are_poses)?;
-        let (tolerance, tail) = (tolerance(given)?, tail(chain, given.tool)?);
+        let tolerance = tolerance(given, &wanted.task)?;
+        let tail = tail(chain, given.tool)?;
         let aim = Aim::new(chain, wanted.task, tolerance, tail);
         Ok(Self {
             direction: wanted.direction,
@@ -185,15 +188,56 @@ pub fn tail(chain: &Chain, tool: Option<&Bound<'_, PyAny>>) -> PyResult<Option<T
     }
 }
 
-fn tolerance(given: &Arguments<'_, '_>) -> PyResult<Tolerance> {
-    let mut tolerance = Tolerance::default();
-    if let Some(value) = given.position_tolerance {
-        tolerance.position = convert::real("position_tolerance", value)?;
+#[inline(always)]
+fn tolerance(given: &Arguments<'_, '_>, task: &Task) -> PyResult<Tolerance> {
+    let usual = Tolerance::default();
+    let position = near("position_tolerance", given.position_tolerance, usual.position)?;
+    let orientation =
+        near("orientation_tolerance", given.orientation_tolerance, usual.orientation)?;
+    if let (Near::Whole(position), Near::Whole(orientation), None) =
+        (position, orientation, given.tolerance_frame)
+    {
+        return Ok(Tolerance { position, orientation, ..usual });
     }
-    if let Some(value) = given.orientation_tolerance {
-        tolerance.orientation = convert::real("orientation_tolerance", value)?;
+    let frame = match (given.tolerance_frame, task) {
+        (Some(frame), _) => task::frame("tolerance_frame", frame)?,
+        (None, Task::Masked { frame, .. }) => *frame,
+        (None, _) => MaskFrame::Base,
+    };
+    Ok(match (position, orientation) {
+        (Near::Whole(position), Near::Whole(orientation)) => {
+            Tolerance { position, orientation, ..usual }
+        }
+        _ => Tolerance::by_axis(position, orientation, frame)
+            .map_err(|error| errors::from_core(given.targets.py(), error))?,
+    })
+}
+
+/// A tolerance: a number, or three of them, one for each axis.
+#[inline(always)]
+fn near(argument: &str, value: Option<&Bound<'_, PyAny>>, usual: f64) -> PyResult<Near> {
+    let Some(value) = value else { return Ok(Near::Whole(usual)) };
+    match value.cast_exact::<PyFloat>() {
+        Ok(number) => Ok(Near::Whole(number.value())),
+        Err(_) => near_in_general(argument, value),
     }
-    Ok(tolerance)
+}
+
+#[inline(never)]
+fn near_in_general(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Near> {
+    // What has a length is no single number; a lone one may be of any type.
+    if value.len().is_err() || value.is_instance_of::<PyString>() {
+        return convert::real(argument, value).map(Near::Whole);
+    }
+    let floats = Floats::new(argument, value)?;
+    match *floats.values()? {
+        [x, y, z] if floats.shape() == [3] => Ok(Near::Each([x, y, z])),
+        _ => {
+            let received = format!("shape {}", shape_text(floats.shape()));
+            let expected = "one number, or three: one for each axis, shape (3,)";
+            Err(errors::argument(value.py(), argument, &received, expected))
+        }
+    }
 }
 
 /// Arm angles as they came: none, one for all targets, or one a target.
@@ -222,7 +266,7 @@ impl<'py> ArmAngles<'py> {
 }
 
 /// Numbers of an argument that broadcasts to the targets' leading shape.
-fn spread<'py>(
+pub fn spread<'py>(
     argument: &str,
     value: &Bound<'py, PyAny>,
     leading: &[usize],

@@ -1,8 +1,10 @@
 //! Calls for batches of any size, a single target included.
 
-use agrik::call::solve as solve_call;
+use std::sync::Arc;
+
+use agrik::call::{Guard, solve as solve_call};
 use agrik::chain::Chain;
-use agrik::closed_form::{self, Choice, ClosedForm, Query};
+use agrik::closed_form::{self, Ask, Choice, ClosedForm, Query};
 use agrik::lanes::Level;
 use agrik::solve::population::Evolution;
 use agrik::solvers::Solver;
@@ -11,7 +13,9 @@ use pyo3::prelude::*;
 
 use super::arguments::{Arguments, ArmAngles, Call};
 use super::branches::Branches;
+use super::locked::Locked;
 use super::signals::Signals;
+use crate::collision::guard;
 use crate::convert::{self, shape_text};
 use crate::errors;
 use crate::result::IkResult;
@@ -19,12 +23,24 @@ use crate::solvers::solver::chosen;
 
 /// Targets from which on all branches are written to an array of NumPy's.
 const MANY: usize = 1024;
+/// Most values of a sweep.
+const MOST_VALUES: u64 = 100_000;
 
 /// Solves the targets of a call.
-pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResult<IkResult> {
+pub fn solve(
+    py: Python<'_>,
+    chain: &Chain,
+    given: &Arguments<'_, '_>,
+    scene: &guard::Given<'_, '_>,
+) -> PyResult<IkResult> {
     let call = Call::new(py, chain, given)?;
     let mut points = Vec::new();
-    let request = call.request(py, chain, &mut points)?;
+    let scene = guard::Scene::new(py, chain, scene)?;
+    let free = scene.as_ref().map(|scene| scene.free(py)).transpose()?;
+    let mut request = call.request(py, chain, &mut points)?;
+    if let (Some(scene), Some(accept)) = (&scene, &free) {
+        request = request.with_guard(Guard { accept, prefer: scene.prefer });
+    }
     let solver = chosen(given.solver, chain.name())?;
     let threads = call.options.threads;
     let ready = solver.call(request).map_err(|error| errors::from_core(py, error))?;
@@ -37,10 +53,19 @@ pub fn solve(py: Python<'_>, chain: &Chain, given: &Arguments<'_, '_>) -> PyResu
     };
     match answers {
         Ok(answers) => {
-            Ok(IkResult::new(call.targets.leading_shape().to_vec(), chain.dof(), answers))
+            let made = IkResult::new(call.targets.leading_shape().to_vec(), chain.dof(), answers);
+            Ok(made.in_scene(scene.as_ref().map(|scene| Arc::clone(&scene.collider))))
         }
         Err(error) => Err(signals.exception(py, error)),
     }
+}
+
+/// What `ik_all` is asked besides its targets.
+pub struct Wishes<'a, 'py> {
+    pub arm_angle: Option<&'a Bound<'py, PyAny>>,
+    pub locked: Option<&'a Bound<'py, PyAny>>,
+    pub sweep: Option<&'a Bound<'py, PyAny>>,
+    pub wrap: bool,
 }
 
 /// All branches of the targets of a call.
@@ -48,18 +73,41 @@ pub fn solve_all<'py>(
     py: Python<'py>,
     chain: &Chain,
     given: &Arguments<'_, 'py>,
-    arm_angle: Option<&Bound<'py, PyAny>>,
+    wishes: &Wishes<'_, 'py>,
 ) -> PyResult<Branches> {
     let call = Call::new(py, chain, given)?;
     let leading = call.targets.leading_shape();
-    if !call.targets.are_poses() {
+    let angles = ArmAngles::new(wishes.arm_angle, leading)?;
+    let mut points = Vec::new();
+    let request = call.request(py, chain, &mut points)?;
+    let family = ClosedForm::of(chain).is_ok() && request.task().fixes_pose();
+    if family && !call.targets.are_poses() {
         let expected = "shape (..., 4, 4): closed forms take poses";
         let received = format!("shape {}", shape_text(&[leading, &[3]].concat()));
         return Err(errors::argument(py, "targets", &received, expected));
     }
-    let angles = ArmAngles::new(arm_angle, leading)?;
-    let mut points = Vec::new();
-    let request = call.request(py, chain, &mut points)?;
+    let locked = Locked::new(wishes.locked, chain, leading)?;
+    let sweep = wishes
+        .sweep
+        .map(|sweep| convert::whole("sweep", sweep, 1, MOST_VALUES))
+        .transpose()?
+        .map(|count| count as usize);
+    if !locked.is_empty() || sweep.is_some() || wishes.wrap || !family {
+        let (locks, angle, threads) = (locked.locks()?, angles.values()?, call.options.threads);
+        let ask = Ask { locks: &locks, angle, sweep, wrap: wishes.wrap };
+        let mut signals = Signals::new();
+        let all = if request.len() <= 1 && sweep.is_none() {
+            closed_form::every(&request, &ask, 1, &mut || signals.go_on_attached(py))
+        } else {
+            py.detach(|| {
+                closed_form::every(&request, &ask, threads, &mut || signals.go_on_detached())
+            })
+        };
+        return match all {
+            Ok(all) => Ok(Branches::new(leading.to_vec(), chain.dof(), all, None)),
+            Err(error) => Err(signals.exception(py, error)),
+        };
+    }
     let query = Query::new(request, angles.values()?, Choice::default())
         .map_err(|error| errors::from_core(py, error))?;
     if call.targets.is_single() {

@@ -6,8 +6,10 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use smallvec::SmallVec;
 
-use crate::convert::copied;
-use crate::result::Column;
+use crate::convert::{copied, shape_text};
+use crate::errors;
+use crate::records::hand_on;
+use crate::result::{Column, column};
 
 /// Every branch of the targets of one `Robot.ik_all` call.
 #[pyclass(frozen, module = "agrik_fast._native")]
@@ -24,6 +26,11 @@ pub struct Branches {
     reached: Column<bool>,
     singular: Column<u8>,
     status: Column<u8>,
+    warnings: Column<u8>,
+    free: Column<i8>,
+    values: Column<f64>,
+    numbers: Column<u32>,
+    left: Column<f64>,
 }
 
 impl Branches {
@@ -35,12 +42,13 @@ impl Branches {
         all: closed_form::Branches,
         q: Option<Py<PyArrayDyn<f64>>>,
     ) -> Self {
-        let solved = all.status.iter().filter(|s| **s == Status::Converged as u8).count();
+        let has = |s: &&u8| **s == Status::Converged as u8 || **s == Status::SingularFamily as u8;
+        let (solved, targets) = (all.status.iter().filter(has).count(), all.status.len());
         Self {
             shape,
             dof,
             branches: all.branches,
-            targets: all.status.len(),
+            targets,
             solved,
             alone: None,
             q: q.map_or_else(|| Column::new(all.q), Column::made),
@@ -48,15 +56,25 @@ impl Branches {
             reached: Column::new(all.reached),
             singular: Column::new(all.singular),
             status: Column::new(all.status),
+            warnings: Column::new(filled(all.warnings, targets, 0)),
+            free: Column::new(filled(all.free, targets, -1)),
+            values: Column::new(filled(all.values, targets * all.branches, f64::NAN)),
+            numbers: Column::new(if all.numbers.is_empty() {
+                (0..targets).flat_map(|_| 0..all.branches as u32).collect()
+            } else {
+                all.numbers
+            }),
+            left: Column::new(filled(all.left, targets, 0.0)),
         }
     }
 
     /// The record of a single target.
     pub fn of_one(dof: usize, alone: Box<Alone>) -> Self {
+        let branches = alone.branches();
         Self {
             shape: Vec::new(),
             dof,
-            branches: alone.branches(),
+            branches,
             targets: 1,
             solved: usize::from(alone.status() == Status::Converged),
             alone: Some(alone),
@@ -65,12 +83,22 @@ impl Branches {
             reached: Column::new(Vec::new()),
             singular: Column::new(Vec::new()),
             status: Column::new(Vec::new()),
+            warnings: Column::new(vec![0]),
+            free: Column::new(vec![-1]),
+            values: Column::new(vec![f64::NAN; branches]),
+            numbers: Column::new((0..branches as u32).collect()),
+            left: Column::new(vec![0.0]),
         }
     }
 
     fn with(&self, last: &[usize]) -> Vec<usize> {
         [&self.shape, last].concat()
     }
+}
+
+/// A column, or as many of the same number where it is empty.
+fn filled<T: Copy>(column: Vec<T>, count: usize, number: T) -> Vec<T> {
+    if column.is_empty() { vec![number; count] } else { column }
 }
 
 /// One number for each branch of a single target.
@@ -130,8 +158,126 @@ impl Branches {
         }
     }
 
+    /// Sums of codes of `agrik_fast.Warnings`.
+    #[getter]
+    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
+        self.warnings.get(py, &self.shape)
+    }
+
+    /// Entry of `q` that a singularity leaves free, -1 for none.
+    #[getter]
+    fn free_joint<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<i8>>> {
+        self.free.get(py, &self.shape)
+    }
+
+    /// Value of the swept joint or arm angle of each branch; NaN without a sweep.
+    #[getter]
+    fn value<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.values.get(py, &self.with(&[self.branches]))
+    }
+
+    /// Number of each branch among those of its value.
+    #[getter]
+    fn branch<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u32>>> {
+        self.numbers.get(py, &self.with(&[self.branches]))
+    }
+
+    /// Least angle left of targets that ask for more than the arm has joints for, rad.
+    #[getter]
+    fn orientation_error<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.left.get(py, &self.shape)
+    }
+
+    fn __len__(slf: &Bound<'_, Self>) -> PyResult<usize> {
+        hand_on(slf, "length", &[])?.extract()
+    }
+
+    /// The record of some of the targets, chosen as in a NumPy array of them.
+    fn __getitem__<'py>(
+        slf: &Bound<'py, Self>,
+        key: Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "take", &[key])
+    }
+
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "iterate", &[])
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "reduce", &[])
+    }
+
+    /// Return the arrays by their names.
+    fn to_dict<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "to_dict", &[])
+    }
+
+    /// Return a `pyarrow.Table`.
+    fn to_arrow<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "to_arrow", &[])
+    }
+
+    /// Return a `pandas.DataFrame`.
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "to_pandas", &[])
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "html_table", &[])
+    }
+
     fn __repr__(&self) -> String {
         let plural = if self.targets == 1 { "" } else { "s" };
         format!("Branches({} target{plural}, {} with a valid branch)", self.targets, self.solved)
     }
+}
+
+/// The record of arrays that belong together, such as those of another record.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)]
+pub fn branches(
+    q: &Bound<'_, PyAny>,
+    valid: &Bound<'_, PyAny>,
+    reached: &Bound<'_, PyAny>,
+    singular: &Bound<'_, PyAny>,
+    status: &Bound<'_, PyAny>,
+    warnings: &Bound<'_, PyAny>,
+    free_joint: &Bound<'_, PyAny>,
+    value: &Bound<'_, PyAny>,
+    branch: &Bound<'_, PyAny>,
+    orientation_error: &Bound<'_, PyAny>,
+) -> PyResult<Branches> {
+    let (mut wide, q_values) = column("q", q)?;
+    let dof = wide.pop().unwrap_or_default();
+    let (shape, status) = column("status", status)?;
+    let all = closed_form::Branches {
+        branches: wide.last().copied().unwrap_or_default(),
+        q: q_values,
+        valid: column("valid", valid)?.1,
+        reached: column("reached", reached)?.1,
+        singular: column("singular", singular)?.1,
+        status,
+        warnings: column("warnings", warnings)?.1,
+        free: column("free_joint", free_joint)?.1,
+        values: column("value", value)?.1,
+        numbers: column("branch", branch)?.1,
+        left: column("orientation_error", orientation_error)?.1,
+    };
+    let (rows, targets): (usize, usize) = (wide.iter().product(), shape.iter().product());
+    let of_branches = [
+        all.valid.len(),
+        all.reached.len(),
+        all.singular.len(),
+        all.values.len(),
+        all.numbers.len(),
+    ];
+    let of_targets = [all.warnings.len(), all.free.len(), all.left.len()];
+    let fit = of_branches == [rows; 5] && of_targets == [targets; 3];
+    if wide.split_last().map(|(_, rest)| rest) != Some(&shape[..]) || !fit {
+        let received = format!("shape {}", shape_text(&wide));
+        let expected = format!("branches of targets of shape {}", shape_text(&shape));
+        return Err(errors::argument(q.py(), "q", &received, &expected));
+    }
+    Ok(Branches::new(shape, dof, all, None))
 }

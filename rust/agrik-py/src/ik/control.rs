@@ -11,15 +11,15 @@ use agrik::call::{Answers, Goals, Starts, Status, solve_into};
 use agrik::chain::Chain;
 use agrik::lanes::Level;
 use agrik::solve::Setup;
-use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyUntypedArrayMethods};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::PyByteArray;
 use smallvec::{SmallVec, smallvec};
 
 use super::arguments::{Options, read_doubles};
 use super::signals::Signals;
 use super::targets::{Targets, first_not_rigid, not_rigid_error};
-use crate::convert::{Floats, internal, numbers, wrong_shape};
+use crate::convert::{Floats, numbers, wrong_shape};
 use crate::errors;
 use crate::single_use::take_turn;
 use crate::solvers::solver::step_settings;
@@ -27,10 +27,12 @@ use crate::solvers::solver::step_settings;
 /// Start values, without memory from the heap where there are few.
 type Start = SmallVec<[f64; 16]>;
 
-/// The last answer but its joint values. Read without a lock: who reads may be a signal
+/// The last answer. Read without a lock: who reads may be a signal
 /// handler, or another thread that holds the interpreter, while a call is at work.
 struct Last {
     status: AtomicU8,
+    /// Bits of the joint values.
+    q: Box<[AtomicU64]>,
     /// Bits of the errors, m and rad.
     position_error: AtomicU64,
     orientation_error: AtomicU64,
@@ -42,6 +44,7 @@ impl Last {
     fn new(answers: &Answers) -> Self {
         let last = Self {
             status: AtomicU8::default(),
+            q: answers.q.iter().map(|_| AtomicU64::default()).collect(),
             position_error: AtomicU64::default(),
             orientation_error: AtomicU64::default(),
             iterations: AtomicU32::default(),
@@ -53,6 +56,9 @@ impl Last {
 
     fn set(&self, answers: &Answers) {
         self.status.store(answers.status[0], Relaxed);
+        for (to, from) in self.q.iter().zip(&answers.q) {
+            to.store(from.to_bits(), Relaxed);
+        }
         self.position_error.store(answers.position_error[0].to_bits(), Relaxed);
         self.orientation_error.store(answers.orientation_error[0].to_bits(), Relaxed);
         self.iterations.store(answers.iterations[0], Relaxed);
@@ -69,21 +75,10 @@ pub struct TargetSolver {
     direction: Option<[f64; 3]>,
     seed: u64,
     first_index: u64,
-    /// The array that users get, and another one of the same memory for ourselves: theirs
-    /// may be given another shape, type or flag.
-    q: Py<PyArray1<f64>>,
-    own_q: Py<PyArray1<f64>>,
     answers: Mutex<Answers>,
     last: Last,
-}
-
-/// An array of numbers twice. A byte array holds the memory, which can be neither resized
-/// nor let go while arrays lie over it.
-fn twins(py: Python<'_>, size: usize) -> PyResult<[Py<PyArray1<f64>>; 2]> {
-    let memory = PyByteArray::new(py, &vec![0; size * size_of::<f64>()]);
-    let frombuffer = py.import("numpy")?.getattr("frombuffer")?;
-    let array = || -> PyResult<_> { Ok(frombuffer.call1((&memory,))?.cast_into()?.unbind()) };
-    Ok([array()?, array()?])
+    /// How to make the same solver again: a function and its arguments.
+    recipe: Option<Py<PyAny>>,
 }
 
 impl TargetSolver {
@@ -93,17 +88,16 @@ impl TargetSolver {
         chain: Arc<Chain>,
         solver: Option<&Bound<'_, PyAny>>,
         options: Options,
+        recipe: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
         let Options { direction, aim, seed, first_index, .. } = options;
         let settings = step_settings(solver, chain.name())?;
         let setup = Setup::new(&chain, aim, settings);
-        let [q, own_q] = twins(py, chain.dof())?;
         let answers = Answers::new(1, chain.dof());
         Ok(Self {
             setup: setup.map_err(|error| errors::from_core(py, error))?,
-            q,
-            own_q,
             last: Last::new(&answers),
+            recipe,
             answers: Mutex::new(answers),
             chain,
             direction,
@@ -176,16 +170,22 @@ impl TargetSolver {
         let mut signals = Signals::new();
         solve_into(Level::in_use(), &plan, 1, &mut answers, &mut || signals.go_on_attached(py))
             .map_err(|error| signals.exception(py, error))?;
-        let mut q = self.own_q.bind(py).try_readwrite().map_err(internal)?;
-        q.as_slice_mut().map_err(internal)?.copy_from_slice(&answers.q);
         self.last.set(&answers);
         Ok(answers.success(0))
     }
 
-    /// Joint values of the last answer, shape (dof,), rad or m; overwritten by each call.
+    /// Joint values of the last answer, shape (dof,), rad or m; a copy.
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.q.bind(py).clone()
+        let q: Start = self.last.q.iter().map(|bits| f64::from_bits(bits.load(Relaxed))).collect();
+        PyArray1::from_slice(py, &q)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        match &slf.get().recipe {
+            Some(recipe) => Ok(recipe.bind(slf.py()).clone()),
+            None => Err(PyTypeError::new_err("a solver is pickled with the robot that made it")),
+        }
     }
 
     /// Whether the last target was reached, by a final FK check.

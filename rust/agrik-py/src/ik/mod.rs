@@ -5,6 +5,7 @@ pub mod batch;
 pub mod branches;
 pub mod control;
 pub mod follow;
+mod locked;
 pub mod signals;
 mod targets;
 mod task;

@@ -44,7 +44,7 @@ pub fn wanted(task: Option<&Bound<'_, PyAny>>, targets_are_poses: bool) -> PyRes
 /// The task with the fields of an object.
 fn of_object(task: &Bound<'_, PyAny>) -> PyResult<Wanted> {
     let refuse = || {
-        let expected = "a task of agrik_fast.tasks or one of position, pose, axis";
+        let expected = "a task of agrik_fast.tasks or one of position, pose, axis, position-first";
         errors::value("task", task, expected)
     };
     let name: String =
@@ -52,6 +52,7 @@ fn of_object(task: &Bound<'_, PyAny>) -> PyResult<Wanted> {
     match name.as_str() {
         "position" => Ok(Task::Position.into()),
         "pose" => Ok(Task::Pose.into()),
+        "position-first" => Ok(Task::PositionFirst.into()),
         "axis" => {
             let given = task.getattr("direction")?;
             let direction =
@@ -63,16 +64,20 @@ fn of_object(task: &Bound<'_, PyAny>) -> PyResult<Wanted> {
             let mut weights = [0.0; 6];
             let given = Floats::of_shape("weights", &task.getattr("weights")?, &[6])?;
             weights.copy_from_slice(given.values()?);
-            let frame = task.getattr("frame")?;
-            let frame = match frame.extract::<String>().as_deref() {
-                Ok("base") => MaskFrame::Base,
-                Ok("tool") => MaskFrame::Tool,
-                _ => return Err(errors::value("frame", &frame, "'base' or 'tool'")),
-            };
+            let frame = frame("frame", &task.getattr("frame")?)?;
             Ok(Task::Masked { weights, frame }.into())
         }
         _ => Err(refuse()),
     }
+}
+
+/// A frame by its name.
+pub fn frame(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<MaskFrame> {
+    let given = value.extract::<String>();
+    let named = |frame: &MaskFrame| given.as_deref().is_ok_and(|name| name == frame.name());
+    let known = [MaskFrame::Base, MaskFrame::Tool];
+    let found = known.into_iter().find(named);
+    found.ok_or_else(|| errors::value(argument, value, "'base' or 'tool'"))
 }
 
 fn direction_of(task: &Bound<'_, PyAny>, field: &str) -> PyResult<[f64; 3]> {

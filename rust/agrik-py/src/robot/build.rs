@@ -1,12 +1,15 @@
 //! Chains from what Python describes: Denavit-Hartenberg rows or a list of joints.
 
 use agrik::chain::{Chain, DhConvention, DhRow, Joint, JointKind, Mimic};
-use nalgebra::{Unit, Vector3};
+use nalgebra::{IsometryMatrix3, Unit, Vector3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{Floats, real, transform, transform_or_identity, wrong_shape};
+use crate::convert::{Floats, array, real, transform, transform_or_identity, wrong_shape};
 use crate::errors;
+
+/// How far the square of a rounded unit vector's length may be from 1.
+const UNIT: f64 = 4.0 * f64::EPSILON;
 
 const KINDS: [&str; 4] = ["revolute", "continuous", "prismatic", "fixed"];
 
@@ -118,6 +121,8 @@ fn joint(index: usize, spec: &Bound<'_, PyDict>) -> PyResult<Joint> {
     let floats = Floats::of_shape(&place("axis"), &axis, &[3])?;
     let vector = Vector3::from_column_slice(floats.values()?);
     joint.axis = match Unit::try_new(vector, 1e-12) {
+        // A unit vector stays as it is, to the last bit: files that this program wrote hold such.
+        Some(_) if (vector.norm_squared() - 1.0).abs() <= UNIT => Unit::new_unchecked(vector),
         Some(unit) if unit.iter().all(|x| x.is_finite()) => unit,
         // A fixed joint's axis means nothing.
         _ if kind == JointKind::Fixed => Vector3::z_axis(),
@@ -126,6 +131,11 @@ fn joint(index: usize, spec: &Bound<'_, PyDict>) -> PyResult<Joint> {
             return Err(errors::value(&place("axis"), &axis, expected));
         }
     };
+    if let Some(link) = spec.get_item("link")?.filter(|link| !link.is_none()) {
+        joint.child_link = link
+            .extract::<String>()
+            .map_err(|_| errors::value(&place("link"), &link, "None or a string"))?;
+    }
     joint.mimic = match spec.get_item("mimic")? {
         Some(rule) if !rule.is_none() => {
             let (source, multiplier, offset) =
@@ -137,4 +147,29 @@ fn joint(index: usize, spec: &Bound<'_, PyDict>) -> PyResult<Joint> {
         _ => None,
     };
     Ok(joint)
+}
+
+/// The joints of a chain as [`from_joints`] takes them; of those from standard rows the second
+/// constant transform is left out.
+pub fn specs<'py>(py: Python<'py>, chain: &Chain) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    chain.joints().iter().map(|joint| spec(py, joint)).collect()
+}
+
+fn spec<'py>(py: Python<'py>, joint: &Joint) -> PyResult<Bound<'py, PyDict>> {
+    let fields = PyDict::new(py);
+    let rule = joint.mimic.as_ref();
+    fields.set_item("name", &joint.name)?;
+    fields.set_item("type", joint.kind.as_str())?;
+    fields.set_item("origin", array(py, &[4, 4], rows_of(&joint.origin))?)?;
+    fields.set_item("axis", array(py, &[3], joint.axis.as_slice().to_vec())?)?;
+    fields.set_item("lower", joint.lower)?;
+    fields.set_item("upper", joint.upper)?;
+    fields.set_item("mimic", rule.map(|m| (m.source.as_str(), m.multiplier, m.offset)))?;
+    fields.set_item("link", &joint.child_link)?;
+    Ok(fields)
+}
+
+/// A transform's rows, one after the other.
+pub fn rows_of(transform: &IsometryMatrix3<f64>) -> Vec<f64> {
+    transform.to_homogeneous().transpose().as_slice().to_vec()
 }

@@ -3,17 +3,18 @@
 use std::sync::Arc;
 
 use agrik::chain;
-use agrik::closed_form::ClosedForm;
+use agrik::closed_form::{ClosedForm, Recognised};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat};
 
 use super::build::{self, DhTable, Frame};
 use super::kinematics;
+use crate::collision::guard;
 use crate::convert::{array, transform};
 use crate::errors;
 use crate::ik::arguments::{Arguments, Options};
-use crate::ik::batch;
+use crate::ik::batch::{self, Wishes};
 use crate::ik::branches::Branches;
 use crate::ik::control::TargetSolver;
 use crate::ik::follow::{self, Along, Followed};
@@ -38,6 +39,8 @@ impl Chain {
     }
 }
 
+/// First link, last link, other tips, locked joints.
+type Ends = (String, String, Vec<String>, Vec<String>);
 type Array<'py> = PyResult<Bound<'py, PyArrayDyn<f64>>>;
 
 #[pymethods]
@@ -82,7 +85,8 @@ impl Chain {
         Ok(Self(Arc::new(build::from_joints(py, frame, &joints)?)))
     }
 
-    /// Build a chain from the text of a URDF.
+    /// Build a chain from the text of a URDF; with it come the names of its first and its last
+    /// link, of other links that the last could be, and of the joints that their limits lock.
     #[staticmethod]
     #[pyo3(signature = (text, base_link=None, tip_link=None))]
     fn from_urdf(
@@ -90,8 +94,10 @@ impl Chain {
         text: &str,
         base_link: Option<&str>,
         tip_link: Option<&str>,
-    ) -> PyResult<Self> {
-        Self::wrap(py, chain::Chain::from_urdf(text, base_link, tip_link))
+    ) -> PyResult<(Self, Ends)> {
+        let made = chain::Chain::from_urdf_with_ends(text, base_link, tip_link);
+        let (chain, ends) = made.map_err(|error| errors::from_core(py, error))?;
+        Ok((Self(Arc::new(chain)), (ends.base, ends.tip, ends.others, ends.locked)))
     }
 
     /// Name of the robot.
@@ -116,6 +122,28 @@ impl Chain {
     #[getter]
     fn joint_types(&self) -> Vec<&str> {
         self.0.variables().iter().map(|v| v.kind.as_str()).collect()
+    }
+
+    /// The joints, fixed ones and followers too, as `from_joints` takes them.
+    fn joints<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        build::specs(py, &self.0)
+    }
+
+    /// Base transform, shape (4, 4), m.
+    #[getter]
+    fn base<'py>(&self, py: Python<'py>) -> Array<'py> {
+        array(py, &[4, 4], build::rows_of(self.0.base()))
+    }
+
+    /// Tool transform, shape (4, 4), m.
+    #[getter]
+    fn tool<'py>(&self, py: Python<'py>) -> Array<'py> {
+        array(py, &[4, 4], build::rows_of(self.0.tool()))
+    }
+
+    /// True for a chain of the same name, joints, links, limits, base and tool.
+    fn same(&self, other: &Self) -> bool {
+        self.0.is_same(&other.0)
     }
 
     /// Smallest values, shape (dof,), rad or m; -inf for continuous joints.
@@ -193,7 +221,8 @@ impl Chain {
     /// Solve a batch of targets; see `agrik_fast.Robot.ik`.
     #[pyo3(signature = (
         targets, task=None, solver=None, q0=None, seed=None, tool=None, threads=None,
-        position_tolerance=None, orientation_tolerance=None, first_index=None
+        position_tolerance=None, orientation_tolerance=None, first_index=None,
+        tolerance_frame=None, collider=None, clear=None, prefer=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn ik(
@@ -209,6 +238,10 @@ impl Chain {
         position_tolerance: Option<&Bound<'_, PyAny>>,
         orientation_tolerance: Option<&Bound<'_, PyAny>>,
         first_index: Option<&Bound<'_, PyAny>>,
+        tolerance_frame: Option<&Bound<'_, PyAny>>,
+        collider: Option<&Bound<'_, PyAny>>,
+        clear: Option<&Bound<'_, PyAny>>,
+        prefer: Option<&str>,
     ) -> PyResult<IkResult> {
         let given = Arguments {
             targets,
@@ -220,15 +253,16 @@ impl Chain {
             threads,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
             first_index,
         };
-        batch::solve(py, &self.0, &given)
+        batch::solve(py, &self.0, &given, &guard::Given { collider, clear, prefer })
     }
 
     /// Make a solver for one target at a time; see `agrik_fast.Robot.solver`.
     #[pyo3(signature = (
         task=None, solver=None, seed=None, tool=None, position_tolerance=None,
-        orientation_tolerance=None
+        orientation_tolerance=None, tolerance_frame=None, recipe=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn solver(
@@ -240,6 +274,8 @@ impl Chain {
         tool: Option<&Bound<'_, PyAny>>,
         position_tolerance: Option<&Bound<'_, PyAny>>,
         orientation_tolerance: Option<&Bound<'_, PyAny>>,
+        tolerance_frame: Option<&Bound<'_, PyAny>>,
+        recipe: Option<Py<PyAny>>,
     ) -> PyResult<TargetSolver> {
         let none = py.None().into_bound(py);
         let given = Arguments {
@@ -252,16 +288,17 @@ impl Chain {
             threads: None,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
             first_index: None,
         };
         let options = Options::new(&self.0, &given, true)?;
-        TargetSolver::new(py, Arc::clone(&self.0), solver, options)
+        TargetSolver::new(py, Arc::clone(&self.0), solver, options, recipe)
     }
 
     /// Follow a sequence of targets; see `agrik_fast.Robot.follow`.
     #[pyo3(signature = (
         targets, max_joint_step, q0=None, pull=None, task=None, seed=None, tool=None,
-        position_tolerance=None, orientation_tolerance=None
+        position_tolerance=None, orientation_tolerance=None, tolerance_frame=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn follow<'py>(
@@ -276,6 +313,7 @@ impl Chain {
         tool: Option<&Bound<'py, PyAny>>,
         position_tolerance: Option<&Bound<'py, PyAny>>,
         orientation_tolerance: Option<&Bound<'py, PyAny>>,
+        tolerance_frame: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Followed<'py>> {
         let given = Arguments {
             targets,
@@ -287,6 +325,7 @@ impl Chain {
             threads: None,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
             first_index: None,
         };
         let usual = PyFloat::new(py, 0.5).into_any();
@@ -317,6 +356,7 @@ impl Chain {
             threads: None,
             position_tolerance: None,
             orientation_tolerance: None,
+            tolerance_frame: None,
             first_index: None,
         };
         let costs = batch::cost_history(py, &self.0, &given)?;
@@ -326,7 +366,8 @@ impl Chain {
     /// All branches of a batch of poses; see `agrik_fast.Robot.ik_all`.
     #[pyo3(signature = (
         targets, q0=None, tool=None, threads=None, arm_angle=None, position_tolerance=None,
-        orientation_tolerance=None
+        orientation_tolerance=None, tolerance_frame=None, locked=None, sweep=None, wrap=false,
+        task=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn ik_all(
@@ -339,10 +380,15 @@ impl Chain {
         arm_angle: Option<&Bound<'_, PyAny>>,
         position_tolerance: Option<&Bound<'_, PyAny>>,
         orientation_tolerance: Option<&Bound<'_, PyAny>>,
+        tolerance_frame: Option<&Bound<'_, PyAny>>,
+        locked: Option<&Bound<'_, PyAny>>,
+        sweep: Option<&Bound<'_, PyAny>>,
+        wrap: bool,
+        task: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Branches> {
         let given = Arguments {
             targets,
-            task: None,
+            task,
             solver: None,
             q0,
             seed: None,
@@ -350,9 +396,10 @@ impl Chain {
             threads,
             position_tolerance,
             orientation_tolerance,
+            tolerance_frame,
             first_index: None,
         };
-        batch::solve_all(py, &self.0, &given, arm_angle)
+        batch::solve_all(py, &self.0, &given, &Wishes { arm_angle, locked, sweep, wrap })
     }
 
     /// Arm angles, shape (...), rad, of joint values, shape (..., dof), of an S-R-S arm.
@@ -368,6 +415,14 @@ impl Chain {
         tool: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Vec<Vec<(f64, f64)>>> {
         kinematics::arm_angle_intervals(&self.0, target, tool)
+    }
+
+    /// What the arm was recognised as: name, method, reason, most branches, locked joint.
+    #[getter]
+    fn family(&self) -> (String, &'static str, String, usize, Option<String>) {
+        let family = Recognised::of(&self.0);
+        let locked = family.locked.map(|variable| self.0.variables()[variable].name.clone());
+        (family.name, family.method, family.reason, family.branches, locked)
     }
 
     /// Family of the chain's closed form, or why it has none: (name, reason).

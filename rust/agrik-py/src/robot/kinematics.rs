@@ -18,13 +18,13 @@ const MANY: usize = 256;
 const BETWEEN_SIGNAL_CHECKS: usize = 32_768;
 
 /// Joint values of an argument, in memory of our own.
-enum JointValues<'py> {
+pub enum JointValues<'py> {
     Lone(Vec<f64>),
     Many(Floats<'py>),
 }
 
 impl<'py> JointValues<'py> {
-    fn new(q: &Bound<'py, PyAny>, dof: usize) -> PyResult<Self> {
+    pub fn new(q: &Bound<'py, PyAny>, dof: usize) -> PyResult<Self> {
         if let Ok(one) = q.cast::<PyArray1<f64>>()
             && one.len() == dof
             && one.is_aligned()
@@ -39,7 +39,7 @@ impl<'py> JointValues<'py> {
         Ok(Self::Many(Floats::new("q", given.as_any())?))
     }
 
-    fn values(&self) -> PyResult<&[f64]> {
+    pub fn values(&self) -> PyResult<&[f64]> {
         match self {
             Self::Lone(values) => Ok(values),
             Self::Many(floats) => floats.values(),
@@ -47,7 +47,7 @@ impl<'py> JointValues<'py> {
     }
 
     /// The leading shape, with the dimensions of one answer behind it.
-    fn shape_with(&self, answer: &[usize]) -> Vec<usize> {
+    pub fn shape_with(&self, answer: &[usize]) -> Vec<usize> {
         let leading = match self {
             Self::Lone(_) => &[],
             Self::Many(floats) => floats.shape().split_last().map_or(&[][..], |(_, rest)| rest),

@@ -2,4 +2,4 @@
 
 mod build;
 pub mod chain;
-mod kinematics;
+pub mod kinematics;

@@ -221,7 +221,9 @@ pub fn default_settings(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 pub fn check_solver(solver: &Bound<'_, PyAny>) -> PyResult<()> {
     let py = solver.py();
     // Gains say for which robot they were made; here they are looked at for themselves.
-    let robot = solver.getattr("robot").and_then(|robot| robot.extract::<Option<String>>());
+    let inner = solver.getattr("solver");
+    let gains = inner.as_ref().unwrap_or(solver);
+    let robot = gains.getattr("robot").and_then(|robot| robot.extract::<Option<String>>());
     let robot = robot.ok().flatten().unwrap_or_default();
     chosen(Some(solver), &robot)?.check().map_err(|error| errors::from_core(py, error))
 }

@@ -181,6 +181,7 @@ impl Tuner {
             tolerance: Tolerance {
                 position: real("tolerance", tolerance)?,
                 orientation: orientation_tolerance,
+                axes: None,
             },
             threads: threads::number(threads, "threads")?,
             search: Mutex::new(search),

@@ -24,6 +24,12 @@ impl Exempt {
         Self { words, closed }
     }
 
+    /// The same with some more labels.
+    pub fn and(&self, more: impl IntoIterator<Item = u32>, count: u32) -> Self {
+        let before = (0..count).filter(|label| self.contains(*label));
+        Self::new(before.chain(more), count)
+    }
+
     /// True for a label that is left out.
     pub fn contains(&self, label: u32) -> bool {
         self.words.get(label as usize / 64).is_some_and(|word| word >> (label % 64) & 1 != 0)

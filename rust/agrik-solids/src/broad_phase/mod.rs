@@ -10,7 +10,8 @@ pub use exempt::Exempt;
 
 use agrik_compute::lanes::{Kernel32, Level, Real32, dispatch_eights};
 
-use crate::distance::{Rough, distance, point_to_core};
+use crate::cover::Spheres;
+use crate::distance::{distance_within, point_to_core};
 use crate::probe::{CuboidProbe, PointProbe, Probe, SegmentProbe};
 use crate::shapes::{Core, Solid};
 use crate::sphere_tree::{ALL_LABELS, Leaves, SphereTree};
@@ -36,6 +37,36 @@ pub struct Found {
 enum Place {
     Leaf(usize),
     Solid(usize),
+}
+
+/// What asks: a solid, or the spheres that stand for a box.
+#[derive(Debug, Clone, Copy)]
+pub enum Asking<'a> {
+    /// A solid as it is.
+    Solid(&'a Solid),
+    /// A level of a cover.
+    Spheres(&'a Spheres<'a>),
+}
+
+impl Asking<'_> {
+    /// Distance from a sphere (x, y, z, radius, m), m.
+    fn to_sphere(self, sphere: [f64; 4]) -> f64 {
+        match self {
+            Self::Solid(solid) => {
+                let [x, y, z, r] = sphere;
+                point_to_core([x, y, z], solid.core()) - solid.radius() - r
+            }
+            Self::Spheres(spheres) => spheres.to_sphere(sphere),
+        }
+    }
+
+    /// Distance from a solid, m, or more than `cap` where it is more.
+    fn to_solid(self, other: &Solid, cap: f64) -> f64 {
+        match self {
+            Self::Solid(solid) => distance_within(solid, other, cap),
+            Self::Spheres(spheres) => spheres.to_solid(other, cap),
+        }
+    }
 }
 
 /// Many solids with labels, arranged for quick answers.
@@ -94,12 +125,12 @@ impl BroadPhase {
 
     /// The nearest solid that is `cap` (m) or less away, or none. Of several at the same
     /// distance it is one with the lowest label.
-    pub fn nearest(&self, solid: &Solid, exempt: &Exempt, cap: f64) -> Option<Found> {
-        let mut search = Nearest { asked: Asked::new(self, solid, exempt), cap, best: None };
+    pub fn nearest(&self, asking: Asking<'_>, exempt: &Exempt, cap: f64) -> Option<Found> {
+        let mut search = Nearest { asked: Asked::new(self, asking, exempt), cap, best: None };
         for index in &self.unbounded {
             search.offer(Place::Solid(*index));
         }
-        search.asked.clone().descend(search.cap, true, &mut search);
+        self.descend(asking, exempt, (search.cap, true), &mut search);
         search.best
     }
 
@@ -107,29 +138,64 @@ impl BroadPhase {
     /// `most` is the largest of these limits. Which one it is of several is not said.
     pub fn any_within(
         &self,
-        solid: &Solid,
+        asking: Asking<'_>,
         exempt: &Exempt,
         most: f64,
         limit: impl Fn(u32) -> f64,
     ) -> Option<u32> {
-        let mut search = Within { asked: Asked::new(self, solid, exempt), most, limit, hit: None };
+        let mut search = Within { asked: Asked::new(self, asking, exempt), most, limit, hit: None };
         for index in &self.unbounded {
             if search.offer(Place::Solid(*index)) {
                 return search.hit;
             }
         }
-        search.asked.clone().descend(most, false, &mut search);
+        self.descend(asking, exempt, (most, false), &mut search);
         search.hit
     }
 
     /// Shows the distance of every solid that is `cap` (m) or less away, in no special order;
     /// some may come twice.
-    pub fn each_within(&self, solid: &Solid, exempt: &Exempt, cap: f64, show: impl FnMut(Found)) {
-        let mut search = Each { asked: Asked::new(self, solid, exempt), cap, show };
+    pub fn each_within(
+        &self,
+        asking: Asking<'_>,
+        exempt: &Exempt,
+        cap: f64,
+        show: impl FnMut(Found),
+    ) {
+        let mut search = Each { asked: Asked::new(self, asking, exempt), cap, show };
         for index in &self.unbounded {
             search.offer(Place::Solid(*index));
         }
-        search.asked.clone().descend(cap, false, &mut search);
+        self.descend(asking, exempt, (cap, false), &mut search);
+    }
+
+    /// Goes down the tree; near ones first where that is said.
+    fn descend(
+        &self,
+        asking: Asking<'_>,
+        exempt: &Exempt,
+        (reach, nearest): (f64, bool),
+        leaves: &mut impl Leaves,
+    ) {
+        let hull;
+        let solid = match asking {
+            Asking::Solid(solid) => solid,
+            Asking::Spheres(spheres) => {
+                hull = spheres.hull();
+                &hull
+            }
+        };
+        if let Core::HalfSpace(_) = solid.core() {
+            // Without bounds there is nothing to rule out.
+            for leaf in 0..self.spheres.len() {
+                if leaves.look(leaf) == f64::NEG_INFINITY {
+                    return;
+                }
+            }
+            return;
+        }
+        let work = Descent { phase: self, solid, exempt, reach, nearest, leaves };
+        dispatch_eights(self.level, work);
     }
 
     /// The solid found.
@@ -145,10 +211,9 @@ impl BroadPhase {
 }
 
 /// What is asked about, and what has been answered.
-#[derive(Clone)]
 struct Asked<'a> {
     phase: &'a BroadPhase,
-    solid: &'a Solid,
+    asking: Asking<'a>,
     exempt: &'a Exempt,
     /// Solids looked at last, and the next place to be used.
     seen: [u32; SEEN],
@@ -156,23 +221,8 @@ struct Asked<'a> {
 }
 
 impl<'a> Asked<'a> {
-    fn new(phase: &'a BroadPhase, solid: &'a Solid, exempt: &'a Exempt) -> Self {
-        Self { phase, solid, exempt, seen: [SPHERE; SEEN], next: 0 }
-    }
-
-    /// Goes down the tree.
-    fn descend(self, reach: f64, nearest: bool, leaves: &mut impl Leaves) {
-        if let Core::HalfSpace(_) = self.solid.core() {
-            // Without bounds there is nothing to rule out.
-            for leaf in 0..self.phase.spheres.len() {
-                if leaves.look(leaf) == f64::NEG_INFINITY {
-                    return;
-                }
-            }
-            return;
-        }
-        let level = self.phase.level;
-        dispatch_eights(level, Descent { asked: &self, reach, nearest, leaves });
+    fn new(phase: &'a BroadPhase, asking: Asking<'a>, exempt: &'a Exempt) -> Self {
+        Self { phase, asking, exempt, seen: [SPHERE; SEEN], next: 0 }
     }
 
     /// The solid that a leaf stands for, unless it was asked for a moment ago.
@@ -203,29 +253,18 @@ impl<'a> Asked<'a> {
             return None;
         }
         let distance = match place {
-            Place::Leaf(leaf) => {
-                let [x, y, z, r] = self.phase.spheres[leaf];
-                point_to_core([x, y, z], self.solid.core()) - self.solid.radius() - r
-            }
-            Place::Solid(index) => distance_within(self.solid, &self.phase.solids[index].0, cap),
+            Place::Leaf(leaf) => self.asking.to_sphere(self.phase.spheres[leaf]),
+            Place::Solid(index) => self.asking.to_solid(&self.phase.solids[index].0, cap),
         };
         (distance <= cap).then_some(Found { distance, label, place })
     }
 }
 
-/// The distance of two solids, or infinity where it is plain that it is above `cap`.
-fn distance_within(a: &Solid, b: &Solid, cap: f64) -> f64 {
-    let radii = a.radius() + b.radius();
-    match Rough::of(a.core(), b.core(), cap + radii) {
-        Rough::Farther => f64::INFINITY,
-        Rough::Meeting => -radii,
-        Rough::Near => distance(a, b),
-    }
-}
-
 /// One descent, for the lanes to be chosen.
 struct Descent<'a, L> {
-    asked: &'a Asked<'a>,
+    phase: &'a BroadPhase,
+    solid: &'a Solid,
+    exempt: &'a Exempt,
     reach: f64,
     nearest: bool,
     leaves: &'a mut L,
@@ -235,8 +274,8 @@ impl<L: Leaves> Kernel32 for Descent<'_, L> {
     type Output = ();
     #[inline(always)]
     fn run<R: Real32>(self) {
-        let origin = self.asked.phase.tree.origin();
-        match self.asked.solid.core() {
+        let origin = self.phase.tree.origin();
+        match self.solid.core() {
             Core::Point(p) => self.with::<R, _>(&PointProbe::new(*p, origin)),
             Core::Segment(segment) => self.with::<R, _>(&SegmentProbe::new(segment, origin)),
             Core::Cuboid(cuboid) => self.with::<R, _>(&CuboidProbe::new(cuboid, origin)),
@@ -251,7 +290,7 @@ impl<L: Leaves> Kernel32 for Descent<'_, L> {
 impl<L: Leaves> Descent<'_, L> {
     #[inline(always)]
     fn with<R: Real32, P: Probe<R>>(self, probe: &P) {
-        let Asked { phase, solid, exempt, .. } = self.asked;
+        let Self { phase, solid, exempt, .. } = self;
         let labels = if exempt.closed == 0 { ALL_LABELS } else { !exempt.closed };
         let (core, radius, tree) = (solid.core(), solid.radius(), &phase.tree);
         // Called by name: what is called through a pointer is not compiled for the lanes.

@@ -3,7 +3,7 @@
 //! Where boxes meet, an edge of one meets the other; where they do not, the nearest points
 //! lie on a corner or an edge of one of them.
 
-use agrik_compute::lanes::{cross, dot, sub};
+use agrik_compute::lanes::{dot, sub};
 
 use super::{Closest, norm, segment_cuboid};
 use crate::shapes::{Cuboid, Segment};
@@ -57,28 +57,50 @@ fn edges_to_box(a: &Cuboid, b: &Cuboid, best: &mut Closest) {
 /// The widest gap between two boxes along the 15 directions that can part them, m: never
 /// more than their distance, and negative exactly where they overlap (but for rounding).
 pub fn gap_between_planes(a: &Cuboid, b: &Cuboid) -> f64 {
+    gap_up_to(a, b, f64::INFINITY)
+}
+
+/// The same, or some gap that is wider than `enough` (m) where there is one: most boxes that
+/// are apart are so along one of the first directions.
+pub fn gap_up_to(a: &Cuboid, b: &Cuboid, enough: f64) -> f64 {
     let way = sub(b.centre(), a.centre());
-    let turned = a.axes().map(|x| b.axes().map(|y| dot(x, y)));
-    let (h, g) = (a.half(), b.half());
+    let (mine, theirs, h, g) = (a.axes(), b.axes(), a.half(), b.half());
+    // All in the frame of the first box.
+    let to = [dot(mine[0], way), dot(mine[1], way), dot(mine[2], way)];
+    let mut turned = [[0.0; 3]; 3];
+    let mut size = [[0.0; 3]; 3];
     let mut widest = f64::NEG_INFINITY;
     for k in 0..3 {
-        let mine = h[k] + (0..3).map(|j| g[j] * turned[k][j].abs()).sum::<f64>();
-        widest = widest.max(dot(a.axes()[k], way).abs() - mine);
-        let theirs = g[k] + (0..3).map(|j| h[j] * turned[j][k].abs()).sum::<f64>();
-        widest = widest.max(dot(b.axes()[k], way).abs() - theirs);
+        for j in 0..3 {
+            turned[k][j] = dot(mine[k], theirs[j]);
+            size[k][j] = turned[k][j].abs();
+        }
+        let reach = h[k] + (g[0] * size[k][0] + g[1] * size[k][1] + g[2] * size[k][2]);
+        widest = widest.max(to[k].abs() - reach);
     }
-    for x in a.axes() {
-        for y in b.axes() {
-            let direction = cross(x, y);
-            let length = norm(direction);
+    if widest > enough {
+        return widest;
+    }
+    for j in 0..3 {
+        let reach = g[j] + (h[0] * size[0][j] + h[1] * size[1][j] + h[2] * size[2][j]);
+        widest = widest.max(dot(theirs[j], way).abs() - reach);
+    }
+    if widest > enough {
+        return widest;
+    }
+    // The cross products of two axes, by their two components that are not zero.
+    for k in 0..3 {
+        let (k1, k2) = ((k + 1) % 3, (k + 2) % 3);
+        for j in 0..3 {
+            let (j1, j2) = ((j + 1) % 3, (j + 2) % 3);
+            let length = (turned[k1][j] * turned[k1][j] + turned[k2][j] * turned[k2][j]).sqrt();
+            let reach = h[k1] * size[k2][j]
+                + h[k2] * size[k1][j]
+                + (g[j1] * size[k][j2] + g[j2] * size[k][j1]);
+            let gap = (to[k2] * turned[k1][j] - to[k1] * turned[k2][j]).abs() - reach;
             // Of nearly parallel edges the direction is one of those above.
-            if length > 1e-6 {
-                let spread = |c: &Cuboid| {
-                    let [u, v, w] = c.axes().map(|axis| dot(axis, direction).abs());
-                    c.half()[0] * u + c.half()[1] * v + c.half()[2] * w
-                };
-                let gap = dot(direction, way).abs() - spread(a) - spread(b);
-                widest = widest.max(gap / length);
+            if length > 1e-6 && gap > widest * length {
+                widest = gap / length;
             }
         }
     }

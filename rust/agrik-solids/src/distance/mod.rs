@@ -103,6 +103,17 @@ pub fn within(a: &Solid, b: &Solid, reach: f64) -> bool {
     }
 }
 
+/// [`distance`], or infinity where spheres round the solids or planes between two boxes tell
+/// that it is above `reach` (m).
+pub fn distance_within(a: &Solid, b: &Solid, reach: f64) -> f64 {
+    let radii = a.radius() + b.radius();
+    match Rough::of(a.core(), b.core(), reach + radii) {
+        Rough::Farther => f64::INFINITY,
+        Rough::Meeting => -radii,
+        Rough::Near => distance(a, b),
+    }
+}
+
 /// What can be told of two cores without their distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Rough {
@@ -116,6 +127,7 @@ pub(crate) enum Rough {
 
 impl Rough {
     /// Of two cores and a distance, m.
+    #[inline]
     pub(crate) fn of(a: &Core, b: &Core, reach: f64) -> Self {
         let ((p, size), (q, other)) = (a.bounding_sphere(), b.bounding_sphere());
         let apart = norm(sub(p, q));
@@ -125,7 +137,7 @@ impl Rough {
             return Self::Farther;
         }
         if let (Core::Cuboid(a), Core::Cuboid(b)) = (a, b) {
-            let gap = cuboid_cuboid::gap_between_planes(a, b);
+            let gap = cuboid_cuboid::gap_up_to(a, b, reach + slack);
             if gap > reach + slack {
                 return Self::Farther;
             }

@@ -17,6 +17,8 @@ pub struct Cuboid {
     centre: Point,
     axes: [Point; 3],
     half: Point,
+    /// Distance of the corners from the centre.
+    size: f64,
 }
 
 impl Cuboid {
@@ -66,7 +68,7 @@ impl Cuboid {
         let x = unit(x);
         let along = dot(x, y);
         let y = unit([y[0] - along * x[0], y[1] - along * x[1], y[2] - along * x[2]]);
-        Ok(Self { centre, axes: [x, y, cross(x, y)], half })
+        Ok(Self::of(centre, [x, y, cross(x, y)], half))
     }
 
     /// A box along the axes of the frame.
@@ -80,7 +82,7 @@ impl Cuboid {
 
     /// A box that is known to be sound.
     pub(crate) fn of(centre: Point, axes: [Point; 3], half: Point) -> Self {
-        Self { centre, axes, half }
+        Self { centre, axes, half, size: norm(half) }
     }
 
     /// Centre, m.
@@ -125,6 +127,7 @@ impl Cuboid {
             centre: pose.point(self.centre),
             axes: self.axes.map(|axis| pose.direction(axis)),
             half: self.half,
+            size: self.size,
         }
     }
 
@@ -134,6 +137,6 @@ impl Cuboid {
     }
 
     pub(super) fn bounding_sphere(&self) -> (Point, f64) {
-        (self.centre, norm(self.half))
+        (self.centre, self.size)
     }
 }

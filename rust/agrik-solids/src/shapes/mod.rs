@@ -65,6 +65,7 @@ impl Core {
 
     /// Centre and radius of a sphere round the core, m; the radius of a half-space is
     /// infinite.
+    #[inline]
     pub fn bounding_sphere(&self) -> (Point, f64) {
         match self {
             Self::Point(p) => (*p, 0.0),
@@ -116,6 +117,11 @@ impl Solid {
         Self::new(Core::Point(centre), radius)
     }
 
+    /// A solid of numbers that have been checked.
+    pub(crate) fn known(core: Core, radius: f64) -> Self {
+        Self { core, radius }
+    }
+
     /// A sphere of numbers that have been checked.
     pub(crate) fn known_sphere(centre: Point, radius: f64) -> Self {
         Self { core: Core::Point(centre), radius }
@@ -146,6 +152,7 @@ impl Solid {
     }
 
     /// Centre and radius of a sphere round the solid, m.
+    #[inline]
     pub fn bounding_sphere(&self) -> (Point, f64) {
         let (centre, radius) = self.core.bounding_sphere();
         (centre, radius + self.radius)

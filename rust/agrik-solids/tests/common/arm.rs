@@ -16,7 +16,8 @@ use serde_json::Value;
 
 /// A file of `tests/data`.
 pub fn read(name: &str) -> Value {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name);
+    // Those of the crate above this one read them as well.
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../agrik-solids/tests/data").join(name);
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 

@@ -17,17 +17,34 @@ pub enum Status {
     Stalled = 4,
     /// Numbers grew beyond all bounds (feedback laws only).
     NonFinite = 5,
+    /// Reached within tolerance and limits, but by no posture found that the call's guard
+    /// accepts: all of them hit something. The least bad one is given.
+    InCollision = 6,
+    /// There are postures, but none within the limits.
+    JointLimits = 7,
+    /// Reached, by postures of a family in which a joint turns freely (all branches only).
+    SingularFamily = 8,
+    /// The target asks for more than the arm has joints for: the nearest postures are given, with
+    /// the angle that is left (all branches only).
+    Overdetermined = 9,
+    /// Nothing here solves such an arm (all branches only).
+    Unsupported = 10,
 }
 
 impl Status {
     /// Every status, in the order of its codes.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 11] = [
         Self::Converged,
         Self::OutOfReach,
         Self::NotFound,
         Self::BadInput,
         Self::Stalled,
         Self::NonFinite,
+        Self::InCollision,
+        Self::JointLimits,
+        Self::SingularFamily,
+        Self::Overdetermined,
+        Self::Unsupported,
     ];
 
     /// The name that users and files know it by.
@@ -39,6 +56,11 @@ impl Status {
             Self::BadInput => "bad_input",
             Self::Stalled => "stalled",
             Self::NonFinite => "non_finite",
+            Self::InCollision => "in_collision",
+            Self::JointLimits => "joint_limits",
+            Self::SingularFamily => "singular_family",
+            Self::Overdetermined => "overdetermined",
+            Self::Unsupported => "unsupported",
         }
     }
 }
@@ -145,6 +167,28 @@ impl<'a> AnswersMut<'a> {
         self.status.is_empty()
     }
 
+    /// The joint values of row `i` of this run.
+    pub(crate) fn q(&self, i: usize) -> &[f64] {
+        let dof = self.q.len() / self.status.len();
+        &self.q[i * dof..(i + 1) * dof]
+    }
+
+    /// What became of row `i` of this run, which converged.
+    pub(crate) fn outcome(&self, i: usize) -> Outcome {
+        Outcome {
+            status: Status::Converged,
+            position_error: self.position_error[i],
+            orientation_error: self.orientation_error[i],
+            iterations: self.iterations[i],
+            restarts: self.restarts[i],
+        }
+    }
+
+    /// Row `i` of this run ended with a status.
+    pub(crate) fn ended(&self, i: usize, status: Status) -> bool {
+        self.status[i] == status as u8
+    }
+
     /// Some row ended with a status.
     pub fn any(&self, status: Status) -> bool {
         self.status.contains(&(status as u8))
@@ -191,6 +235,24 @@ impl<'a> AnswersMut<'a> {
                 },
             )
             .collect()
+    }
+
+    /// Tells the errors of solved rows from `first` to `end` of this run anew.
+    pub(crate) fn tell_anew(
+        &mut self,
+        first: usize,
+        end: usize,
+        mut errors: impl FnMut(usize, &[f64]) -> Option<(f64, f64)>,
+    ) {
+        let dof = self.q.len() / self.status.len().max(1);
+        for i in first..end {
+            let q = &self.q[i * dof..(i + 1) * dof];
+            if self.status[i] == Status::Converged as u8
+                && let Some((position, orientation)) = errors(self.first + i, q)
+            {
+                (self.position_error[i], self.orientation_error[i]) = (position, orientation);
+            }
+        }
     }
 
     /// Writes row `i` of this run and returns its joint values to be filled.

@@ -2,13 +2,17 @@
 //! starts) in, one record of [`Answers`] out. A solver is whatever implements [`Solve`];
 //! [`solve`] spreads its targets over threads.
 
+mod accept;
 mod aim;
 mod answers;
 mod batch;
 mod request;
 mod targets;
 
-pub use aim::{Aim, Tolerance};
+pub(crate) use accept::Verdict;
+pub use accept::{Accept, Guard, Prefer};
+pub use aim::{Aim, AxisBounds, Near, Tolerance};
+pub(crate) use aim::{INSIDE, Left, Measure};
 pub(crate) use answers::Outcome;
 pub use answers::{Answers, AnswersMut, Status};
 pub use batch::{Solve, solve, solve_at, solve_into};

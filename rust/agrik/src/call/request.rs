@@ -1,15 +1,13 @@
 //! A request: targets of a chain, what counts as reaching them, and where to start from.
 
-use super::aim::{Aim, Tolerance};
+use super::accept::Guard;
+use super::aim::{Aim, Left, Tolerance};
 use super::targets::{Copies, Goals, Starts};
 use crate::allowed::is_measure;
 use crate::chain::{Chain, Tail};
 use crate::error::{Error, Result};
 use crate::kinematics::Workspace;
-use crate::task::{
-    AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task, axis_goal, pose_goal,
-    pose_parts, unit,
-};
+use crate::task::{Goal, Task, axis_goal, pose_goal, pose_parts, unit};
 
 /// What every solver is given.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +18,7 @@ pub struct Request<'a> {
     starts: Starts<'a>,
     seed: u64,
     first_index: u64,
+    guard: Option<Guard<'a>>,
 }
 
 impl<'a> Request<'a> {
@@ -47,7 +46,7 @@ impl<'a> Request<'a> {
             }
             _ => return Err(Error::argument("targets", "poses (4x4 matrices)", "points")),
         }
-        Ok(Self { chain, aim, goals, starts, seed: 0, first_index: 0 })
+        Ok(Self { chain, aim, goals, starts, seed: 0, first_index: 0, guard: None })
     }
 
     /// The same request with other random streams: `seed` and the index of a target (its
@@ -56,12 +55,28 @@ impl<'a> Request<'a> {
         Self { seed, first_index, ..self }
     }
 
-    /// The same request for other targets, with a start for each: a solver's own subtask.
+    /// The same request, whose answers have to be accepted as well.
+    pub fn with_guard(self, guard: Guard<'a>) -> Self {
+        Self { guard: Some(guard), ..self }
+    }
+
+    /// The same request for other targets, with a start for each: a solver's own subtask, whose
+    /// answers nobody has to accept.
     pub(crate) fn with<'b>(&self, copies: &'b Copies, starts: &'b [f64]) -> Request<'b>
     where
         'a: 'b,
     {
-        Request { goals: copies.goals(), starts: Starts::Each(starts), ..*self }
+        Request { goals: copies.goals(), starts: Starts::Each(starts), guard: None, ..*self }
+    }
+
+    /// The same request for copies of target `row`, with the start of that one: a subtask whose
+    /// answers nobody has to accept.
+    pub(crate) fn with_copies<'b>(&self, copies: &'b Copies, row: usize) -> Request<'b>
+    where
+        'a: 'b,
+    {
+        let starts = self.start(row).map_or(Starts::Free, Starts::One);
+        Request { goals: copies.goals(), starts, guard: None, ..*self }
     }
 
     /// How many targets.
@@ -107,6 +122,12 @@ impl<'a> Request<'a> {
     /// Index of the first target.
     pub fn first_index(&self) -> u64 {
         self.first_index
+    }
+
+    /// What answers have to be besides reaching their targets, if anything.
+    #[inline(always)]
+    pub fn guard(&self) -> Option<Guard<'a>> {
+        self.guard
     }
 
     /// Where target `row` is to start from, if the caller says so.
@@ -166,31 +187,9 @@ impl<'a> Request<'a> {
         }
     }
 
-    /// Squared distance (m^2) and angle (rad^2) between a posture and a goal.
-    pub(crate) fn errors(&self, at: &Workspace<f64>, goal: &Goal<f64>) -> (f64, f64) {
-        let tail = self.aim.tail();
-        let tool = at.tool_point(tail.translation);
-        let scale = 1.0;
-        match self.aim.task() {
-            Task::Position => {
-                let e = PositionRows.error(at, tool, goal);
-                (e.position2, e.orientation2)
-            }
-            Task::Pose => {
-                let e = PoseRows { scale, onward: None }.error(at, tool, goal);
-                (e.position2, e.orientation2)
-            }
-            Task::Axis { tool_axis } => {
-                let axis = tail.direction(tool_axis);
-                let e = AxisRows { scale, axis }.error(at, tool, goal);
-                (e.position2, e.orientation2)
-            }
-            Task::Masked { weights, frame } => {
-                let rows = MaskedRows { scale, weights, frame, tool: tail.rotation };
-                let e = rows.error(at, tool, goal);
-                (e.position2, e.orientation2)
-            }
-        }
+    /// What is left between a posture and a goal.
+    pub(crate) fn left(&self, at: &Workspace<f64>, goal: &Goal<f64>) -> Left {
+        self.aim.left(at, goal)
     }
 }
 

@@ -97,6 +97,13 @@ pub struct Compiled {
     pub simple: bool,
     /// [`Compiled::simple`], and all joints turn.
     pub plain: bool,
+    /// Ways from joint to joint, added up, m.
+    lengths: f64,
+}
+
+/// Length of a vector.
+fn length(v: [f64; 3]) -> f64 {
+    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
 /// Columns of a rotation matrix.
@@ -192,6 +199,7 @@ impl Compiled {
             },
             dof: variables.len(),
             plain: simple && links.iter().all(|l| !l.prismatic),
+            lengths: links.iter().map(|l| length([l.a, l.b, l.d])).sum(),
             simple,
             links,
         })
@@ -201,9 +209,7 @@ impl Compiled {
     /// compared: the tool point itself, or of a tool far out the point on the way to it where
     /// a turn and a way of the arm's size stand beside each other as they do at the flange.
     pub fn pose_point(&self, tool: [f64; 3]) -> [f64; 3] {
-        let squared = |v: [f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-        let lengths = self.links.iter().map(|l| squared([l.a, l.b, l.d]).sqrt());
-        let (lengths, far) = (lengths.sum::<f64>(), squared(tool).sqrt());
+        let (lengths, far) = (self.lengths, length(tool));
         if lengths > 0.0 && far > NEAR * lengths {
             tool.map(|x| x * (FLANGE * lengths / far))
         } else {

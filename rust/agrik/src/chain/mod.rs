@@ -3,6 +3,7 @@
 mod compiled;
 mod dh;
 mod joint;
+mod locked;
 mod memo;
 mod reach;
 mod urdf;
@@ -15,6 +16,7 @@ pub use compiled::{Compiled, Link, Tail, Twist};
 pub use dh::{DhConvention, DhRow};
 pub use joint::{Joint, JointKind, Mimic, UNLIMITED};
 pub use reach::Reach;
+pub use urdf::Ends;
 
 use crate::allowed::check_measures;
 use crate::error::{Error, Result};
@@ -102,9 +104,18 @@ impl Chain {
         })
     }
 
-    /// A chain from a URDF text; `base_link` and `tip_link` default to the only root and
-    /// to the only leaf (an error names the candidates where there are several).
+    /// A chain from a URDF text; `base_link` and `tip_link` default to the only root and to
+    /// the end of the only arm (an error names the candidates where there are several).
     pub fn from_urdf(text: &str, base_link: Option<&str>, tip_link: Option<&str>) -> Result<Self> {
+        Ok(Self::from_urdf_with_ends(text, base_link, tip_link)?.0)
+    }
+
+    /// A chain from a URDF text, and the links that it lies between.
+    pub fn from_urdf_with_ends(
+        text: &str,
+        base_link: Option<&str>,
+        tip_link: Option<&str>,
+    ) -> Result<(Self, Ends)> {
         urdf::parse(text, base_link, tip_link)
     }
 
@@ -116,6 +127,16 @@ impl Chain {
     /// The same chain with another base transform (base in the world).
     pub fn with_base(&self, base: IsometryMatrix3<f64>) -> Result<Self> {
         self.rebuilt(base, self.tool)
+    }
+
+    /// True where name, joints, order of the variables, base and tool are the same, number by
+    /// number.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.name == other.name
+            && self.joints == other.joints
+            && self.variables == other.variables
+            && self.base == other.base
+            && self.tool == other.tool
     }
 
     fn rebuilt(&self, base: IsometryMatrix3<f64>, tool: IsometryMatrix3<f64>) -> Result<Self> {

@@ -1,21 +1,78 @@
 //! Poses and Jacobians of many configurations, several in step.
 
-use super::{Workspace, columns, forward};
-use crate::chain::{Chain, Tail};
+use smallvec::{SmallVec, smallvec};
+
+use super::fk::forward_far;
+use super::{Frame, PerJoint, Workspace, columns, forward};
+use crate::chain::{Chain, JointKind, Tail, Variable};
 use crate::lanes::{Kernel, Level, Real, V3, WIDEST, dispatch, dispatch_single};
 
+/// Angles beyond this lose digits in sums, rad.
+const MANY: f64 = 100.0;
 /// Numbers of one pose.
 const POSE: usize = 16;
 
 /// Tool poses of all rows of `q` (`dof` numbers each), 16 numbers a pose, row by row.
 pub fn tool_poses(chain: &Chain, q: &[f64], out: &mut [f64]) {
     run(q.len() / chain.dof(), Poses { chain, q, out });
+    let compiled = chain.compiled();
+    far_rows(chain, q, |row, workspace| {
+        let pose = pose_rows(workspace, &compiled.tail);
+        out[row * POSE..(row + 1) * POSE].copy_from_slice(&pose);
+    });
+}
+
+/// Hands over the rows in which a joint turns by more than rounded sums allow.
+fn far_rows(chain: &Chain, q: &[f64], mut write: impl FnMut(usize, &Workspace<f64>)) {
+    // Not a number is not far; mostly nothing is.
+    if !q.iter().any(|x| x.abs() > MANY) {
+        return;
+    }
+    let mut workspace = Workspace::new(chain.compiled());
+    for (row, q) in q.chunks_exact(chain.dof()).enumerate() {
+        let turns = |v: &Variable| v.kind != JointKind::Prismatic;
+        if chain.variables().iter().zip(q).any(|(v, x)| turns(v) && x.abs() > MANY) {
+            forward_far(chain.compiled(), q, &mut workspace);
+            write(row, &workspace);
+        }
+    }
 }
 
 /// Geometric Jacobians of all rows of `q`, `6 * dof` numbers each, row by row: linear
 /// velocity of the tool point, then angular velocity, both in the world frame.
 pub fn tool_jacobians(chain: &Chain, q: &[f64], out: &mut [f64]) {
     run(q.len() / chain.dof(), Jacobians { chain, q, out });
+    let size = 6 * chain.dof();
+    far_rows(chain, q, |row, workspace| {
+        let mut sums = vec![0.0; size];
+        add_columns(chain, workspace, &mut sums);
+        out[row * size..(row + 1) * size].copy_from_slice(&sums);
+    });
+}
+
+/// Adds the columns of a configuration to a Jacobian, row by row.
+#[inline(always)]
+fn add_columns<R: Real>(chain: &Chain, workspace: &Workspace<R>, sums: &mut [R]) {
+    let (compiled, dof) = (chain.compiled(), chain.dof());
+    let point = workspace.tool_point(compiled.tail.translation);
+    columns(compiled, workspace, point, |variable, linear, angular| {
+        for k in 0..3 {
+            sums[k * dof + variable] += linear[k];
+            sums[(k + 3) * dof + variable] += angular[k];
+        }
+    });
+}
+
+/// Numbers of one frame of [`moving_frames`].
+pub const FRAME: usize = 12;
+
+/// Where the frames of all moving joints are at all rows of `q`: of each row one frame after
+/// another along [`Compiled::links`](crate::chain::Compiled), [`FRAME`] numbers each, the rotation
+/// row by row and then the origin (m).
+///
+/// A frame moves with its joint, and lies where the axis of the next one does.
+pub fn moving_frames(chain: &Chain, q: &[f64], out: &mut [f64]) {
+    run(q.len() / chain.dof(), Frames { chain, q, out });
 }
 
 /// Runs a kernel over rows; a pass over all lanes does not pay for one or two of them.
@@ -58,6 +115,39 @@ fn pose_rows<R: Real>(workspace: &Workspace<R>, tail: &Tail) -> [R; POSE] {
     [x[0], y[0], z[0], p[0], x[1], y[1], z[1], p[1], x[2], y[2], z[2], p[2], zero, zero, zero, one]
 }
 
+struct Frames<'a> {
+    chain: &'a Chain,
+    q: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl Kernel for Frames<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        let compiled = self.chain.compiled();
+        let dof = compiled.dof;
+        let size = FRAME * compiled.links.len();
+        // On the stack for most arms, as a lone posture is what solvers ask about.
+        let mut q: PerJoint<R> = smallvec![R::zero(); dof];
+        let mut frames: SmallVec<[R; 8 * FRAME]> = smallvec![R::zero(); size];
+        let groups = self.q.chunks(dof * R::WIDTH).zip(self.out.chunks_mut(size * R::WIDTH));
+        for (from, to) in groups {
+            let rows = from.len() / dof;
+            load(from, dof, rows, &mut q);
+            let mut frame = Frame::start(compiled);
+            for (i, one) in frames.as_chunks_mut::<FRAME>().0.iter_mut().enumerate() {
+                frame = frame.after(compiled, i..i + 1, &q);
+                let [x, y, z] = frame.axes();
+                let p = frame.point([0.0; 3]);
+                *one = [x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2], p[0], p[1], p[2]];
+            }
+            unload(&frames, to);
+        }
+    }
+}
+
 struct Jacobians<'a> {
     chain: &'a Chain,
     q: &'a [f64],
@@ -80,14 +170,8 @@ impl Kernel for Jacobians<'_> {
             let rows = from.len() / dof;
             load(from, dof, rows, &mut q);
             forward(compiled, &q, &mut workspace);
-            let point = workspace.tool_point(compiled.tail.translation);
             sums.fill(R::zero());
-            columns(compiled, &workspace, point, |variable, linear, angular| {
-                for k in 0..3 {
-                    sums[k * dof + variable] += linear[k];
-                    sums[(k + 3) * dof + variable] += angular[k];
-                }
-            });
+            add_columns(self.chain, &workspace, &mut sums);
             unload(&sums, to);
         }
     }

@@ -117,6 +117,24 @@ pub fn forward<R: Real>(chain: &Compiled, q: &[R], workspace: &mut Workspace<R>)
     workspace.frame = frame;
 }
 
+/// [`forward`] for angles so large that sums with them lose digits: each is brought back to a
+/// turn before anything is added to it.
+#[inline(never)]
+pub(super) fn forward_far(chain: &Compiled, q: &[f64], workspace: &mut Workspace<f64>) {
+    let mut frame = Frame::start(chain);
+    for (link, axis) in chain.links.iter().zip(&mut workspace.axes) {
+        let (s, c) = link.theta_sin_cos;
+        let mut turn = [s, c];
+        if !link.prismatic {
+            let (sine, cosine) = f64::sin_cos(value_of(chain, link, q));
+            turn = [sine * c + cosine * s, cosine * c - sine * s];
+        }
+        *axis = Axis { origin: frame.position, direction: frame.z };
+        frame = over(chain, link, q, turn, frame);
+    }
+    workspace.frame = frame;
+}
+
 /// [`forward`] for those who need the last frame alone, and know it well enough with an
 /// error of [`turns_each`]'s size: the axes are left as they were.
 #[inline(always)]

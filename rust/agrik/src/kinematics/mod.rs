@@ -4,7 +4,7 @@ mod batch;
 mod fk;
 mod jacobian;
 
-pub use batch::{tool_jacobians, tool_poses};
+pub use batch::{FRAME, moving_frames, tool_jacobians, tool_poses};
 pub use fk::{Frame, PerJoint, Workspace, forward, forward_frame};
 pub use jacobian::columns;
 

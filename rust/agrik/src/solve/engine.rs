@@ -16,15 +16,15 @@ use self::attempts::Job;
 use self::feedback::{Halt, Memory};
 use self::runs::Runs;
 use self::slack::Relaxed;
-use super::limit::{Limit, limits};
-use super::plan::{INSIDE, Plan};
+use super::limit::{Limit, limits, nearest_turn};
+use super::plan::Plan;
 use super::setup::Setup;
 use super::step::{Step, dot, pulled, squared_norm};
-use crate::call::AnswersMut;
+use crate::call::{AnswersMut, INSIDE, Measure, Tolerance};
 use crate::chain::{JointKind, Variable};
 use crate::kinematics::{PerJoint, Workspace, columns, forward};
 use crate::lanes::Real;
-use crate::task::{AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task, TaskError};
+use crate::task::{Goal, PoseRows, Rows, TaskError};
 
 /// An attempt whose error is below this share of the robot's size is closing in on a
 /// solution, slowly where that is singular: it gets so many times the usual steps.
@@ -44,10 +44,10 @@ pub fn run<'a, R: Real>(
     keep_going: &mut dyn FnMut() -> bool,
 ) -> bool {
     // Two loops in one source: feedback laws would slow the others down.
-    match (&plan.setup().feedback, plan.setup().aim.task()) {
+    match (&plan.setup().feedback, plan.setup().measure()) {
         (None, _) => run_task::<R, false>(plan, next, keep_going),
-        (Some(_), Task::Position) => {
-            Engine::<R, _, 3, true>::new(plan, PositionRows).run(next, keep_going)
+        (Some(_), Measure::Position(rows)) => {
+            Engine::<R, _, 3, true>::new(plan, rows).run(next, keep_going)
         }
         (Some(_), _) => run_slowly(plan, next, keep_going),
     }
@@ -70,38 +70,40 @@ fn run_task<'a, R: Real, const FEEDBACK: bool>(
     keep_going: &mut dyn FnMut() -> bool,
 ) -> bool {
     let setup = plan.setup();
-    let scale = setup.rotation_scale;
-    let onward = setup.onward();
-    match setup.aim.task() {
-        Task::Position => {
-            Engine::<R, _, 3, FEEDBACK>::new(plan, PositionRows).run(next, keep_going)
+    match setup.measure() {
+        Measure::Position(rows) => {
+            Engine::<R, _, 3, FEEDBACK>::new(plan, rows).run(next, keep_going)
         }
-        Task::Pose => {
-            Engine::<R, _, 6, FEEDBACK>::new(plan, PoseRows { scale, onward }).run(next, keep_going)
-        }
-        Task::Axis { tool_axis } => {
-            let axis = setup.aim.tail().direction(tool_axis);
-            Engine::<R, _, 5, FEEDBACK>::new(plan, AxisRows { scale, axis }).run(next, keep_going)
-        }
-        Task::Masked { weights, frame } => {
-            let rows = MaskedRows { scale, weights, frame, tool: setup.aim.tail().rotation };
+        Measure::Pose(rows) => {
+            let rows = PoseRows { onward: setup.onward(), ..rows };
             Engine::<R, _, 6, FEEDBACK>::new(plan, rows).run(next, keep_going)
         }
+        Measure::Axis(rows) => Engine::<R, _, 5, FEEDBACK>::new(plan, rows).run(next, keep_going),
+        Measure::Framed(rows) => Engine::<R, _, 6, FEEDBACK>::new(plan, rows).run(next, keep_going),
     }
 }
 
-/// The square of a tolerance, a little smaller.
-#[inline(always)]
-fn square<R: Real>(tolerance: f64) -> R {
-    R::splat((tolerance * INSIDE) * (tolerance * INSIDE))
+/// The squares of the tolerances, a little smaller.
+#[derive(Clone, Copy)]
+struct Enough<R> {
+    position2: R,
+    orientation2: R,
 }
 
-/// An angle without the whole turns that part it from a reference.
-#[inline(always)]
-fn wound<R: Real>(angle: R, reference: R) -> R {
-    use std::f64::consts::TAU;
-    let turns = ((angle - reference) * R::splat(1.0 / TAU)).round();
-    turns.mul_add(R::splat(-TAU), angle)
+impl<R: Real> Enough<R> {
+    #[inline(always)]
+    fn of(tolerance: Tolerance) -> Self {
+        let square = |most: f64| R::splat((most * INSIDE) * (most * INSIDE));
+        Self { position2: square(tolerance.position), orientation2: square(tolerance.orientation) }
+    }
+
+    /// Lanes in which an error is within the tolerances.
+    #[inline(always)]
+    fn holds<T: Rows<R, M>, const M: usize>(&self, error: &TaskError<R, M>) -> u32 {
+        let place = error.position2.le(self.position2);
+        let near = R::and(place, error.orientation2.le(self.orientation2));
+        R::bits(if T::BOUNDED { R::and(near, error.outside.le(R::splat(INSIDE))) } else { near })
+    }
 }
 
 struct Engine<'p, R: Real, T, const M: usize, const FEEDBACK: bool> {
@@ -118,6 +120,7 @@ struct Engine<'p, R: Real, T, const M: usize, const FEEDBACK: bool> {
     relaxed: Relaxed<R>,
     /// Rows that attempts do not solve are given their nearest posture.
     completes: bool,
+    most_restarts: u32,
     /// Steps of an attempt, and of one whose squared error is below `near2`.
     cap: u32,
     patient_cap: u32,
@@ -148,6 +151,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         let variables = plan.request.chain().variables();
         let dof = variables.len();
         let limits = limits(plan);
+        let first = setup.aim.puts_position_first();
         Self {
             plan,
             setup,
@@ -160,11 +164,20 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                 && !matches!(settings.step, Step::FixedTranspose { .. }),
             relaxed: Relaxed::none(),
             // Other steps are compared as they are, and a cap on attempts is one on searches.
-            completes: matches!(settings.step, Step::LevenbergMarquardt { .. })
-                && !settings.plain
-                && settings.max_restarts >= attempts::MOST_STARTS
-                && plan.bounds.is_none()
-                && plan.pull.is_none(),
+            completes: if first {
+                !settings.plain && !settings.step.is_feedback()
+            } else {
+                matches!(settings.step, Step::LevenbergMarquardt { .. })
+                    && !settings.plain
+                    && settings.max_restarts >= attempts::MOST_STARTS
+                    && plan.bounds.is_none()
+                    && plan.pull.is_none()
+            },
+            most_restarts: if first {
+                settings.max_restarts.min(attempts::POSES)
+            } else {
+                settings.max_restarts
+            },
             has_continuous: variables.iter().any(|v| v.kind == JointKind::Continuous),
             cap: settings.max_iterations,
             patient_cap: settings.max_iterations.saturating_mul(if settings.plain {
@@ -192,9 +205,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
         keep_going: &mut dyn FnMut() -> bool,
     ) -> bool {
-        let tolerance = self.setup.aim.tolerance();
-        let position2 = square::<R>(tolerance.position);
-        let orientation2 = square::<R>(tolerance.orientation);
+        let enough = Enough::<R>::of(self.setup.aim.tolerance());
         let all = ((1u64 << R::WIDTH) - 1) as u32;
 
         let mut runs = Runs::new();
@@ -213,9 +224,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                 }
             }
             let error = self.evaluate();
-            let reached =
-                R::bits(R::and(error.position2.le(position2), error.orientation2.le(orientation2)))
-                    & busy;
+            let reached = enough.holds::<T, M>(&error) & busy;
             let near = R::bits(squared_norm(&error.rows).lt(R::splat(self.near2)));
             let mut ended = (reached | halt.stalled | halt.broken) & busy;
             for (lane, job) in self.jobs.iter().enumerate() {
@@ -275,9 +284,10 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             self.columns.fill([R::zero(); M]);
         }
         let (rows, workspace, goal) = (&self.rows, &self.workspace, &self.goal);
+        let seen = rows.look(workspace, tool, goal);
         let store = &mut self.columns;
         columns(compiled, workspace, tool, |variable, linear, angular| {
-            let column = rows.column(workspace, goal, linear, angular);
+            let column = rows.column(&seen, goal, linear, angular);
             if compiled.simple {
                 store[variable] = column;
             } else {
@@ -290,8 +300,9 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             self.relaxed.change(&mut self.columns);
         }
         let squared = squared_norm(&error.rows);
-        let per_radian = self.setup.lengths.per_radian(squared);
+        let mut per_radian = R::splat(1.0);
         if self.stretches {
+            per_radian = self.setup.lengths.per_radian(squared);
             for (v, column) in self.limits.iter().zip(&mut self.columns) {
                 if v.slides {
                     for x in column {
@@ -356,37 +367,21 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         }
     }
 
-    /// Adds the change, no longer than the longest step, projected on the limits.
+    /// Adds the change, no longer than the longest step, projected on the limits; returns the
+    /// lanes that did not move. A way of slides that stands beside a radian is `per_radian`.
     #[inline(always)]
     fn apply(&mut self, moving: u32, squared: R, per_radian: R) -> u32 {
-        let mut longest = R::splat(1e-300);
-        for dq in &self.change {
-            longest = longest.max(dq.abs());
-        }
-        let scale = (R::splat(self.setup.settings.max_step) / longest).min(R::splat(1.0));
         let mask = R::mask_from_bits(moving);
-        let mut slid = R::zero();
-        let mut moved = R::zero();
-        for ((v, q), dq) in self.limits.iter().zip(&mut self.q).zip(&self.change) {
-            let scale = if v.slides && self.stretches { scale * per_radian } else { scale };
-            let mut to = dq.mul_add(scale, *q);
-            let (lower, upper) = (R::splat(v.lower), R::splat(v.upper));
-            if v.turns {
-                // Past one end of a full turn lies the same posture at the other end.
-                let turn = R::splat(std::f64::consts::TAU);
-                to = R::select(to.lt(lower), to + turn, to);
-                to = R::select(upper.lt(to), to - turn, to);
-            }
-            // A lane at a new start stays there whatever came of the attempt before, even where
-            // that is no number.
-            to = R::select(mask, to.max(lower).min(upper), *q);
-            if v.slides {
-                slid = slid.max((to - *q).abs());
-            } else {
-                moved = moved.max((to - *q).abs());
-            }
-            *q = to;
-        }
+        let turned = R::splat(self.setup.rotation_scale);
+        let plain = self.setup.settings.plain;
+        // Most arms have no slides.
+        let way = if self.setup.lengths.slides {
+            let (moved, slid) = self.advance::<true>(mask, per_radian);
+            if plain { moved.max(slid) } else { (moved * turned).max(slid) }
+        } else {
+            let (moved, _) = self.advance::<false>(mask, per_radian);
+            if plain { moved } else { moved * turned }
+        };
         if self.has_continuous {
             self.wind_back(mask);
         }
@@ -394,12 +389,43 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             job.steps += moving >> lane & 1;
         }
         // Written so that a step that is not a number counts as none.
-        if self.setup.settings.plain {
-            return moving & !R::bits(R::splat(STILL).lt(moved.max(slid)));
+        if plain {
+            return moving & !R::bits(R::splat(STILL).lt(way));
         }
-        let way = (moved * R::splat(self.setup.rotation_scale)).max(slid);
-        moving
-            & !R::bits((squared * R::splat(self.setup.settings.step.stall().powi(2))).lt(way * way))
+        let least = R::splat(self.setup.settings.step.stall().powi(2));
+        moving & !R::bits((squared * least).lt(way * way))
+    }
+
+    /// Moves the joints of the lanes in `mask`; returns the longest turn and way.
+    #[inline(always)]
+    fn advance<const SLIDES: bool>(&mut self, mask: R::Mask, per_radian: R) -> (R, R) {
+        let mut longest = R::splat(1e-300);
+        for dq in &self.change {
+            longest = longest.max(dq.abs());
+        }
+        let scale = (R::splat(self.setup.settings.max_step) / longest).min(R::splat(1.0));
+        let (mut moved, mut slid) = (R::zero(), R::zero());
+        for ((v, q), dq) in self.limits.iter().zip(&mut self.q).zip(&self.change) {
+            let scale = if SLIDES && v.slides { scale * per_radian } else { scale };
+            let mut to = dq.mul_add(scale, *q);
+            let (low, high) = (R::splat(v.ends.0), R::splat(v.ends.1));
+            if v.turns {
+                // Past one end of a full turn lies the same posture at the other end.
+                let turn = R::splat(std::f64::consts::TAU);
+                to = R::select(to.lt(low), to + turn, to);
+                to = R::select(high.lt(to), to - turn, to);
+            }
+            // A lane at a new start stays there whatever came of the attempt before, even where
+            // that is no number.
+            to = R::select(mask, to.max(low).min(high), *q);
+            if SLIDES && v.slides {
+                slid = slid.max((to - *q).abs());
+            } else {
+                moved = moved.max((to - *q).abs());
+            }
+            *q = to;
+        }
+        (moved, slid)
     }
 
     /// Takes whole turns off continuous joints of the lanes that moved, to within half a turn
@@ -409,7 +435,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
     fn wind_back(&mut self, moved: R::Mask) {
         for ((v, q), reference) in self.variables.iter().zip(&mut self.q).zip(&self.reference) {
             if v.kind == JointKind::Continuous {
-                *q = R::select(moved, wound(*q, *reference), *q);
+                *q = R::select(moved, nearest_turn(*q, *reference), *q);
             }
         }
     }

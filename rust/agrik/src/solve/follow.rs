@@ -1,10 +1,10 @@
 //! A path of targets, one after the other: every posture continues the one before.
 
 use super::Settings;
-use super::plan::{INSIDE, Plan};
+use super::plan::Plan;
 use super::start::range;
 use crate::allowed::is_measure;
-use crate::call::{Answers, Outcome, Request, Solve, Status};
+use crate::call::{Answers, INSIDE, Outcome, Request, Solve, Status};
 use crate::chain::JointKind;
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, forward};
@@ -173,9 +173,9 @@ impl Walker<'_> {
         }
         if let Some(at) = &self.at {
             forward(plan.request.chain().compiled(), at, &mut self.workspace);
-            let (position2, orientation2) = plan.request.errors(&self.workspace, &goal);
-            outcome.position_error = position2.sqrt();
-            outcome.orientation_error = orientation2.sqrt();
+            let left = plan.request.left(&self.workspace, &goal);
+            outcome.position_error = left.position2.sqrt();
+            outcome.orientation_error = left.orientation2.sqrt();
         }
         (outcome, jumped)
     }
@@ -230,11 +230,7 @@ impl Walker<'_> {
                 && (bounds.is_none() || self.is_step(near, q));
             if nearer && inside {
                 forward(plan.request.chain().compiled(), q, &mut self.workspace);
-                let (position2, orientation2) = plan.request.errors(&self.workspace, goal);
-                let tolerance = plan.setup().aim.tolerance();
-                if position2 <= (tolerance.position * INSIDE).powi(2)
-                    && orientation2 <= (tolerance.orientation * INSIDE).powi(2)
-                {
+                if plan.request.aim().is_met(&plan.request.left(&self.workspace, goal)) {
                     best = Some((way2, q));
                 }
             }

@@ -4,9 +4,18 @@ use super::plan::Plan;
 use crate::call::Starts;
 use crate::chain::{JointKind, UNLIMITED, Variable};
 use crate::kinematics::PerJoint;
+use crate::lanes::Real;
 
 /// A full turn, with room for rounding.
 const TURN: f64 = std::f64::consts::TAU + 1e-9;
+
+/// An angle without the whole turns that part it from a reference.
+#[inline(always)]
+pub(super) fn nearest_turn<R: Real>(angle: R, reference: R) -> R {
+    use std::f64::consts::TAU;
+    let turns = ((angle - reference) * R::splat(1.0 / TAU)).round();
+    turns.mul_add(R::splat(-TAU), angle)
+}
 
 /// The limits of one joint value, rad or m.
 #[derive(Debug, Clone, Copy)]
@@ -15,6 +24,9 @@ pub(super) struct Limit {
     pub upper: f64,
     /// The joint can take every angle, so that its limits hold nothing back.
     pub turns: bool,
+    /// What steps keep between: the limits, or of a joint that turns one turn inside them, past
+    /// whose ends it goes on at the other one.
+    pub ends: (f64, f64),
     /// There may be several angles for a posture.
     pub winds: bool,
     /// The joint slides.
@@ -29,11 +41,20 @@ impl Limit {
         let turns = v.periodic && full;
         let slides = v.kind == JointKind::Prismatic;
         let winds = turns && v.kind != JointKind::Continuous;
-        Self { lower: v.lower, upper: v.upper, turns, winds, slides, middle: v.middle() }
+        let (lower, upper) = (v.lower, v.upper);
+        Self { lower, upper, turns, ends: (lower, upper), winds, slides, middle: v.middle() }
     }
 }
 
 impl Limit {
+    /// The same where answers are to be near the middle, so that none has to be wound.
+    fn about_middle(self) -> Self {
+        use std::f64::consts::PI;
+        let ends = (self.middle - PI, self.middle + PI);
+        let inside = self.lower <= ends.0 && ends.1 <= self.upper;
+        if self.turns && self.winds && inside { Self { ends, winds: false, ..self } } else { self }
+    }
+
     /// The value that answers stay near, for the caller's `about`: inside the limits, and where
     /// sines know an angle well.
     #[inline(always)]
@@ -51,8 +72,7 @@ impl Limit {
     #[inline(always)]
     pub fn wound(&self, x: f64, about: f64) -> f64 {
         use std::f64::consts::TAU;
-        let nearest = |to: f64| x + ((to - x) / TAU).round() * TAU;
-        let mut y = nearest(about);
+        let mut y = nearest_turn(x, about);
         if y < self.lower {
             y += TAU;
         } else if y > self.upper {
@@ -71,14 +91,22 @@ pub(super) fn limits(plan: &Plan<'_>) -> PerJoint<Limit> {
             // With starts given, joints wider than a turn stay on the side where they stand.
             let started = !matches!(plan.request.starts(), Starts::Free);
             let stays = |v: &Limit| started && v.winds && v.upper - v.lower > TURN;
+            // Without one they stay within half a turn of the middle: no turns to take off.
+            let setup = plan.setup();
+            let moves_freely = !started && setup.usual_start.is_none();
+            let anywhere = moves_freely && !setup.settings.step.is_feedback();
             let limits = plan.request.chain().variables().iter().map(Limit::of);
-            limits.map(|v| Limit { turns: v.turns && !stays(&v), ..v }).collect()
+            let limits = limits.map(|v| Limit { turns: v.turns && !stays(&v), ..v });
+            limits.map(|v| if anywhere { v.about_middle() } else { v }).collect()
         }
         Some(bounds) => {
             let variables = plan.request.chain().variables().iter().map(Limit::of);
             variables
                 .zip(bounds)
-                .map(|(v, &(lower, upper))| Limit { lower, upper, turns: false, winds: false, ..v })
+                .map(|(v, &(lower, upper))| {
+                    let ends = (lower, upper);
+                    Limit { lower, upper, ends, turns: false, winds: false, ..v }
+                })
                 .collect()
         }
     }

@@ -1,6 +1,7 @@
 //! Solvers: step solvers, which share one loop, and population solvers, which share one
 //! evaluator.
 
+mod climb;
 mod engine;
 mod follow;
 mod limit;
@@ -13,6 +14,7 @@ mod setup;
 mod start;
 mod step;
 
+pub use climb::Climb;
 pub use engine::run;
 pub use follow::{Follow, Path};
 pub use plan::Plan;

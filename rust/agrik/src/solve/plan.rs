@@ -10,10 +10,6 @@ use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::task::Goal;
 
-/// Share of the tolerance that solvers themselves allow, so that rounding in a later check
-/// cannot turn a reached target into a missed one.
-pub(super) const INSIDE: f64 = 1.0 - 1e-6;
-
 /// A request and how to fulfil it.
 #[derive(Debug, Clone)]
 pub struct Plan<'a> {
@@ -75,7 +71,7 @@ impl<'a> Plan<'a> {
     pub(super) fn proven_unreachable(&self, goal: &Goal<f64>) -> bool {
         let request = &self.request;
         let (task, tolerance) = (request.task(), request.tolerance());
-        if !task.fixes_position() {
+        if !request.aim().fixes_position() {
             return false;
         }
         if self.setup.tool_reach.excess(goal.position) > tolerance.position {

@@ -3,44 +3,65 @@
 use super::Settings;
 use super::start::Ranking;
 use super::step::{Feedback, Lengths, StartRule, middle};
-use crate::call::{Aim, Tolerance};
+use crate::call::{Aim, Measure, Tolerance};
 use crate::chain::{Chain, JointKind, Reach, Tail};
 use crate::error::Result;
-use crate::task::{Goal, Task, rotation_scale};
+use crate::task::{Goal, rotation_scale};
 
-/// How far from the goal a step aims, since there is near enough: in the units of the error's
-/// rows, m; zero where it aims at the goal itself.
+/// How far from the goal the rows of one kind aim, since there is near enough: in their units,
+/// m, and never at 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Room {
+    /// At the goal itself.
+    None,
+    /// Anywhere on a sphere.
+    Ball(f64),
+    /// At a side of a box, row by row; 0 where a row aims at the goal.
+    Box([f64; 3]),
+}
+
+/// How far from the goal a step aims.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Slack {
-    pub position: f64,
-    pub orientation: f64,
+    pub position: Room,
+    pub orientation: Room,
 }
 
 /// Tolerances, as a share of the size or in rad, from which on they count in the search.
 const WIDE: f64 = 1e-3;
 /// Share of a tolerance at which steps aim: inside it, for they come from outside.
 const AIM: f64 = 0.9;
+/// The same of single axes, where the others may leave no more than one place.
+const AIM_OF_AXIS: f64 = 0.999;
+
+impl Room {
+    /// Of rows with these weights and a unit, where tolerances above `least` are wide.
+    fn of(whole: f64, each: [f64; 3], weights: &[f64], scale: f64, least: f64) -> Self {
+        let wide = |most: f64, aim: f64, weight: f64| {
+            if most > least && most.is_finite() { aim * most * scale * weight } else { 0.0 }
+        };
+        if each.iter().any(|x| x.is_finite()) {
+            let each = [0, 1, 2].map(|k| wide(each[k], AIM_OF_AXIS, weights[k]));
+            return if each == [0.0; 3] { Self::None } else { Self::Box(each) };
+        }
+        // Rows of one block share a sphere if they share a weight.
+        let most = weights.iter().copied().fold(0.0, f64::max);
+        let shared = weights.iter().all(|w| *w == 0.0 || *w == most);
+        let radius = if shared { wide(whole, AIM, most) } else { 0.0 };
+        if radius > 0.0 { Self::Ball(radius) } else { Self::None }
+    }
+}
 
 impl Slack {
-    fn of(task: &Task, tolerance: Tolerance, size: f64, rotation_scale: f64) -> Option<Self> {
-        // Rows of one block share a sphere if they share a weight.
-        let weight = |weights: &[f64]| {
-            let most = weights.iter().copied().fold(0.0, f64::max);
-            if weights.iter().all(|w| *w == 0.0 || *w == most) { most } else { 0.0 }
-        };
-        let (position, orientation) = match task {
-            Task::Position => (1.0, 0.0),
-            Task::Pose | Task::Axis { .. } => (1.0, rotation_scale),
-            Task::Masked { weights, .. } => {
-                (weight(&weights[..3]), rotation_scale * weight(&weights[3..]))
-            }
-        };
-        let wide = |tolerance: f64, least: f64, scale: f64| {
-            if tolerance > least { AIM * tolerance * scale } else { 0.0 }
-        };
-        let position = wide(tolerance.position, WIDE * size, position);
-        let orientation = wide(tolerance.orientation, WIDE, orientation);
-        (position > 0.0 || orientation > 0.0).then_some(Self { position, orientation })
+    fn of(aim: &Aim, size: f64, rotation_scale: f64) -> Option<Self> {
+        let Tolerance { position, orientation, axes } = aim.tolerance();
+        let [x, y, z, a, b, c] = axes.map_or([f64::INFINITY; 6], |axes| axes.most);
+        let weights = aim.weights();
+        let (place, turn) = weights.split_at(3);
+        let position = Room::of(position, [x, y, z], place, 1.0, WIDE * size);
+        let orientation = Room::of(orientation, [a, b, c], turn, rotation_scale, WIDE);
+        let some = position != Room::None || orientation != Room::None;
+        some.then_some(Self { position, orientation })
     }
 }
 
@@ -67,6 +88,12 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// The rows of the aim.
+    #[inline(always)]
+    pub(super) fn measure(&self) -> Measure {
+        self.aim.measure(self.rotation_scale)
+    }
+
     /// The way from the point whose position the rows compare to the tool point, if any.
     #[inline(always)]
     pub(super) fn onward(&self) -> Option<[f64; 3]> {
@@ -90,7 +117,7 @@ impl Setup {
     /// A checked setup.
     pub fn new(chain: &Chain, aim: Aim, settings: Settings) -> Result<Self> {
         settings.check()?;
-        let (task, tail) = (aim.task(), *aim.tail());
+        let tail = *aim.tail();
         let compiled = chain.compiled();
         let tool_reach = if tail == compiled.tail {
             *chain.reach()
@@ -101,7 +128,7 @@ impl Setup {
         let own = compiled.tail.translation;
         let near = compiled.pose_point(own);
         // Where the orientation is met exactly, and only there, any point of the tool will do.
-        let by_pose_point = task.fixes_pose()
+        let by_pose_point = aim.fixes_pose()
             && chain.dof() >= 6
             && tolerance.orientation <= WIDE
             && !settings.step.is_feedback();
@@ -118,17 +145,17 @@ impl Setup {
         let rotation_scale = rotation_scale(size);
         let slides = chain.variables().iter().any(|v| v.kind == JointKind::Prismatic);
         let lengths = Lengths::new(size, slides);
-        let slack = Slack::of(&task, tolerance, size, rotation_scale)
+        let slack = Slack::of(&aim, size, rotation_scale)
             .filter(|_| !settings.plain && !settings.step.is_feedback())
             // About another point than the tool's the sphere would be no sphere.
             .filter(|_| point == tail.translation);
-        let feedback = Feedback::new(&settings, chain, &task, &tail, rotation_scale)?;
+        let feedback = Feedback::new(&settings, chain, &aim, rotation_scale)?;
         let usual_start = match settings.start {
             StartRule::Sampled => None,
             StartRule::Zero => Some(chain.near_zero()),
             StartRule::Middle => Some(middle(chain)),
         };
-        let ranking = ranking(&task, near, &tail, point, rotation_scale);
+        let ranking = ranking(&aim, near, point, rotation_scale);
         Ok(Self {
             aim,
             settings,
@@ -147,22 +174,16 @@ impl Setup {
 
 /// By what starts are compared with a goal of the task. `sampled` is the point whose places
 /// the table holds, `point` the one whose place the goal gives.
-fn ranking(
-    task: &Task,
-    sampled: [f64; 3],
-    tail: &Tail,
-    point: [f64; 3],
-    rotation_scale: f64,
-) -> Ranking {
+fn ranking(aim: &Aim, sampled: [f64; 3], point: [f64; 3], rotation_scale: f64) -> Ranking {
     let squared = rotation_scale * rotation_scale;
-    let (axes, direction) = match task {
-        Task::Pose => (squared, ([0.0; 3], 0.0)),
-        Task::Axis { tool_axis } => (0.0, (tail.direction(*tool_axis), squared)),
+    let (axes, direction) = match aim.measure(rotation_scale) {
+        Measure::Pose(_) => (squared, ([0.0; 3], 0.0)),
+        Measure::Axis(rows) => (0.0, (rows.axis, squared)),
         // Rows that are free make the axes a poor guide; the tool point is one if it counts.
-        Task::Position | Task::Masked { .. } => (0.0, ([0.0; 3], 0.0)),
+        Measure::Position(_) | Measure::Framed(_) => (0.0, ([0.0; 3], 0.0)),
     };
     let shift = [0, 1, 2].map(|k| point[k] - sampled[k]);
-    Ranking { placed: task.fixes_position(), shift, axes, direction }
+    Ranking { placed: aim.fixes_position(), shift, axes, direction }
 }
 
 #[cfg(test)]
@@ -173,6 +194,7 @@ mod tests {
     use crate::call::{Goals, Request, Starts, solve};
     use crate::chain::{DhConvention, DhRow};
     use crate::solve::Plan;
+    use crate::task::Task;
 
     fn arm(joints: usize) -> Chain {
         let joints = (0..joints).map(|i| {

@@ -40,8 +40,9 @@ fn many_joints_beside_the_chain_are_read_in_linear_time() {
     let start = Instant::now();
     let chain = Chain::from_urdf(&text, None, Some(&format!("l{MANY}"))).expect("a chain");
     assert_eq!(chain.dof(), 1);
-    let error = Chain::from_urdf(&text, None, None).expect_err("two leaves");
-    assert!(error.to_string().contains("2 links could be the tip"), "{error}");
+    // Of the two leaves only one is moved.
+    let chain = Chain::from_urdf(&text, None, None).expect("a chain");
+    assert_eq!(chain.joints().last().map(|j| j.child_link.as_str()), Some(&*format!("l{MANY}")));
     assert!(start.elapsed() < SOON);
 }
 

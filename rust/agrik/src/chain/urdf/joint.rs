@@ -12,10 +12,13 @@ use crate::error::{Error, Result};
 /// Limits of a joint that turns freely.
 const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
+/// Limits of a joint that does not move, as everywhere.
+const STILL: (f64, f64) = (0.0, 0.0);
+
 /// The joint of a declaration.
 pub(super) fn build(tree: &Tree<'_>, declared: &Declared<'_>) -> Result<Joint> {
     let mut kind = declared.kind()?;
-    let mut limits = FREE;
+    let mut limits = STILL;
     let mut mimic = None;
     if kind != JointKind::Fixed {
         let leader = Leader::of(tree, declared)?;
@@ -123,6 +126,11 @@ impl Declared<'_> {
     /// Who it is, for messages.
     fn place(&self) -> String {
         format!("joint {} (line {})", quoted(self.name), self.element.line)
+    }
+
+    /// True unless it is fixed; what kinds there are is asked where a joint is used.
+    pub(super) fn moves(&self) -> bool {
+        self.element.attribute("type") != Some(JointKind::Fixed.as_str())
     }
 
     fn kind(&self) -> Result<JointKind> {

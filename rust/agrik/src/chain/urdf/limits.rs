@@ -11,3 +11,5 @@ pub(super) const FOLLOWERS: usize = 100;
 pub(super) const ATTRIBUTES: usize = 64;
 /// Bytes of a name.
 pub(super) const NAME: usize = 1000;
+/// Links that are handed out as what else the tip could be.
+pub(super) const NAMED: usize = 100;

@@ -82,17 +82,27 @@ impl<'a> Tree<'a> {
         self.joints.len()
     }
 
-    /// The joints from base to tip, in order.
-    pub fn path(&self, base: Option<&str>, tip: Option<&str>) -> Result<Vec<&Declared<'a>>> {
-        let base = match base {
-            Some(name) => self.link("base", name)?,
+    /// The link of a name, or the only root.
+    pub fn base(&self, name: Option<&str>) -> Result<&'a str> {
+        match name {
+            Some(name) => self.link("base", name),
             // `new` made sure that there is one.
-            None => self.roots().next().unwrap_or_default(),
-        };
-        let tip = match tip {
-            Some(name) => self.link("tip", name)?,
-            None => self.only_leaf(base)?,
-        };
+            None => Ok(self.roots().next().unwrap_or_default()),
+        }
+    }
+
+    /// The link of a name, which is a tip.
+    pub fn tip(&self, name: &str) -> Result<&'a str> {
+        self.link("tip", name)
+    }
+
+    /// Parent, child and whether it moves, of every joint.
+    pub fn connections(&self) -> impl Iterator<Item = (&'a str, &'a str, bool)> {
+        self.joints.iter().map(|joint| (joint.parent, joint.child, joint.moves()))
+    }
+
+    /// The joints from base to tip, in order.
+    pub fn path(&self, base: &'a str, tip: &'a str) -> Result<Vec<&Declared<'a>>> {
         if tip == base {
             let name = quoted(base);
             return Err(fault(format!("base link and tip link are both {name}: no joint between")));
@@ -129,52 +139,6 @@ impl<'a> Tree<'a> {
             }
         }
         false
-    }
-
-    /// For every link whether the way from it to the root passes `base`; each joint is
-    /// passed once.
-    fn below(&self, base: &'a str) -> HashMap<&'a str, bool> {
-        let mut below = HashMap::from([(base, true)]);
-        let mut way = Vec::new();
-        for &start in &self.links {
-            let mut link = start;
-            let answer = loop {
-                if let Some(&known) = below.get(link) {
-                    break known;
-                }
-                way.push(link);
-                match self.carrier.get(link) {
-                    Some(&index) => link = self.joints[index].parent,
-                    None => break false,
-                }
-            };
-            below.extend(way.drain(..).map(|passed| (passed, answer)));
-        }
-        below
-    }
-
-    fn only_leaf(&self, base: &'a str) -> Result<&'a str> {
-        let mut leaf: HashMap<&str, bool> = self.links.iter().map(|&link| (link, true)).collect();
-        for joint in &self.joints {
-            leaf.insert(joint.parent, false);
-        }
-        let below = self.below(base);
-        let is_leaf = |link: &str| leaf.get(link).copied().unwrap_or(false);
-        let leaves: Vec<&str> = self
-            .links
-            .iter()
-            .copied()
-            .filter(|&l| is_leaf(l) && l != base && below.get(l).copied().unwrap_or(false))
-            .collect();
-        match leaves[..] {
-            [] => Err(fault(format!("no joint below base link {}", quoted(base)))),
-            [only] => Ok(only),
-            _ => Err(fault(format!(
-                "{} links could be the tip, name one as tip_link: {}",
-                leaves.len(),
-                listing(leaves),
-            ))),
-        }
     }
 
     fn link(&self, role: &str, name: &str) -> Result<&'a str> {

@@ -335,7 +335,8 @@ mod tests {
                     }
                 }
                 let mut single = Group::<f64>::new(Job::new(form, &request));
-                let (axes, position) = single.job.pose(&q);
+                let at = single.job.at(&q);
+                let (axes, position) = (at.joint_axes(), at.tool_point(single.job.tool()));
                 single.goal = Goal { position, axes };
                 for choice in [Choice::Nearest, Choice::Middle, Choice::Margin] {
                     single.near = Near::to(single.job.geometry, Some(&near));

@@ -47,11 +47,52 @@ pub fn least_outside(limits: &[Limit], q: &mut [f64; JOINTS]) -> f64 {
     worst
 }
 
+/// Takes joint values inside the limits to the turns nearest to their centres that are inside.
+pub fn nearest_turns(limits: &[Limit], q: &mut [f64; JOINTS], centre: &[f64; JOINTS]) {
+    for ((x, limit), centre) in q.iter_mut().zip(limits).zip(centre) {
+        let mut other = *x + TAU * ((centre - *x) / TAU).round();
+        if other < limit.lower {
+            other += TAU;
+        } else if other > limit.upper {
+            other -= TAU;
+        }
+        // Half a turn on either side is as near.
+        let nearer = (other - centre).abs() < (*x - centre).abs() - SLACK;
+        if nearer && limit.lower <= other && other <= limit.upper {
+            *x = other;
+        }
+    }
+}
+
 /// Brings the joint values of a branch within limits by whole turns; returns the lanes in
 /// which all are.
 #[inline(always)]
 pub fn wrap_one<R: Real>(limits: &[Limit], one: &mut Candidate<R>, centre: &[R; JOINTS]) -> Lanes {
     wrap(limits, &mut one.q, centre)
+}
+
+/// A branch that misses by less (m, rad) is exact, but for rounding.
+const EXACT: f64 = 1e-9;
+
+/// Of the branches of one target (a bit each) those that are branches: one that is only within
+/// the tolerances, as where the arm is a little too short, is none beside an exact one, unless
+/// it alone is inside the limits.
+#[inline(always)]
+pub fn without_rough(reached: Lanes, inside: Lanes, exact: Lanes) -> Lanes {
+    let exact = exact & reached;
+    if exact == 0 {
+        reached
+    } else if exact & inside != 0 {
+        exact
+    } else {
+        exact | reached & inside
+    }
+}
+
+/// Lanes in which what is left is nothing but rounding.
+#[inline(always)]
+pub fn is_exact<R: Real>(position2: R, chord2: R) -> Lanes {
+    R::bits((position2 + chord2).le(R::splat(EXACT * EXACT)))
 }
 
 /// Two branches that differ in the last three joints alone.
@@ -82,7 +123,10 @@ pub struct Exact<'a> {
     /// Which entry of `q` each joint along the chain is.
     pub variables: &'a [usize],
     pub tail: Tail,
+    /// What no solution is beyond.
     pub tolerance: Tolerance,
+    /// The whole errors that branches may have, which hold for each axis.
+    pub inner: Tolerance,
     position2: f64,
     chord2: f64,
 }
@@ -95,14 +139,16 @@ impl<'a> Exact<'a> {
         tail: Tail,
         tolerance: Tolerance,
     ) -> Self {
+        let inner = tolerance.inner();
         Self {
             compiled,
             variables,
             tail,
             tolerance,
-            position2: tolerance.position * tolerance.position,
+            inner,
+            position2: inner.position * inner.position,
             // A rotation by x moves the three unit axes by 2 sin(x / 2) sqrt(2) in all.
-            chord2: 8.0 * (0.5 * tolerance.orientation.min(3.0)).sin().powi(2),
+            chord2: 8.0 * (0.5 * inner.orientation.min(3.0)).sin().powi(2),
         }
     }
 

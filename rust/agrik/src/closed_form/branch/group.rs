@@ -144,11 +144,11 @@ impl<'a> Job<'a> {
         branch
     }
 
-    /// Axes of the last joint's frame and the tool point at `q`.
-    pub fn pose(&self, q: &[f64]) -> ([[f64; 3]; 3], [f64; 3]) {
+    /// The arm at `q`.
+    pub fn at(&self, q: &[f64]) -> Workspace<f64> {
         let mut workspace = Workspace::new(self.exact.compiled);
         forward(self.exact.compiled, q, &mut workspace);
-        (workspace.joint_axes(), workspace.tool_point(self.tool()))
+        workspace
     }
 }
 

@@ -8,7 +8,7 @@
 
 use std::f64::consts::TAU;
 
-use super::check::{least_outside, wrap_one};
+use super::check::{least_outside, nearest_turns, wrap_one};
 use super::group::Job;
 use super::polish::Polished;
 use crate::closed_form::families::{ClosedForm, SphericalWrist};
@@ -47,7 +47,8 @@ pub(super) fn inside(job: &Job<'_>, goal: &Goal<f64>, open: &Open<'_>) -> Option
     let [shoulder, _, wrist] = open.singular;
     match job.form {
         ClosedForm::SphericalWrist(arm) => {
-            let split = || passed(job, goal, shared(job, arm.wrist(), 3, open.q, open.centre));
+            let split =
+                || passed(job, goal, shared(job, arm.wrist(), 3, open.q, open.centre), open.centre);
             let found = if wrist { split() } else { None };
             if found.is_some() {
                 return found;
@@ -69,7 +70,7 @@ pub(super) fn inside(job: &Job<'_>, goal: &Goal<f64>, open: &Open<'_>) -> Option
             if wrist {
                 q = shared(job, two, 4, q, open.centre);
             }
-            passed(job, goal, q)
+            passed(job, goal, q, open.centre)
         }
     }
 }
@@ -102,13 +103,19 @@ pub(crate) fn split(
 
 /// The joint values, if they are inside the limits, but for rounding, and within the
 /// tolerances.
-fn passed(job: &Job<'_>, goal: &Goal<f64>, mut q: [f64; JOINTS]) -> Option<Polished> {
+fn passed(
+    job: &Job<'_>,
+    goal: &Goal<f64>,
+    mut q: [f64; JOINTS],
+    centre: &[f64; JOINTS],
+) -> Option<Polished> {
     if least_outside(job.limits(), &mut q) > ROUNDING {
         return None;
     }
     for (x, limit) in q.iter_mut().zip(job.limits()) {
         *x = x.clamp(limit.lower, limit.upper);
     }
+    nearest_turns(job.limits(), &mut q, centre);
     let (position2, chord2) = job.exact.miss(&q, goal);
     let reached = job.exact.is_near(position2, chord2) & 1 != 0;
     reached.then_some(Polished { q, inside: true, position2, chord2 })
@@ -208,7 +215,7 @@ fn turned(
         if wrap_one(&g.limits, &mut branch, open.centre) == 0 && wrist.singular != 0 {
             branch.q = shared(job, arm.wrist(), 3, branch.q, open.centre);
         }
-        passed(job, goal, branch.q)
+        passed(job, goal, branch.q, open.centre)
     })
 }
 

@@ -1,7 +1,7 @@
 //! Last steps for branches that lost digits on the way: the roots of a general shoulder,
 //! whose equation is of the fourth degree, are only as good as its coefficients.
 
-use super::check::{Exact, wrap_one};
+use super::check::{Exact, nearest_turns, wrap_one};
 use crate::closed_form::geometry::candidate::{Candidate, JOINTS};
 use crate::closed_form::geometry::limit::Limit;
 use crate::kinematics::{Workspace, columns, forward};
@@ -73,13 +73,14 @@ pub fn polished(
 }
 
 /// Joint values inside the limits after steps, in which joints at a limit that would leave it
-/// stand still; `None` where they are not within the tolerances then.
+/// stand still, at the turns nearest to a centre; `None` where they are not within the tolerances
+/// then.
 #[inline(never)]
 pub fn held(
     exact: &Exact<'_>,
     limits: &[Limit],
     q: [f64; JOINTS],
-    goal: &Goal<f64>,
+    (goal, centre): (&Goal<f64>, &[f64; JOINTS]),
     steps: usize,
 ) -> Option<Polished> {
     let checked = |mut q: [f64; JOINTS]| {
@@ -95,7 +96,7 @@ pub fn held(
     for _ in 0..steps {
         // Within the tolerances is enough, but a few digits more cost little.
         if reached(&best) && !is_rough(best.position2, best.chord2) {
-            return Some(best);
+            break;
         }
         if best.position2 + best.chord2 > FARTHEST * FARTHEST {
             return None;
@@ -116,7 +117,13 @@ pub fn held(
             break;
         }
     }
-    reached(&best).then_some(best)
+    if !reached(&best) {
+        return None;
+    }
+    let mut turned = best.q;
+    nearest_turns(limits, &mut turned, centre);
+    let turned = checked(turned);
+    Some(if reached(&turned) { turned } else { best })
 }
 
 /// Joint values after a step towards the goal, Newton's but for a damping that keeps it short
@@ -140,7 +147,7 @@ fn stepped(
     let error = rows.error(&workspace, tool, goal);
     let mut jacobian = [[0.0; 6]; JOINTS];
     columns(exact.compiled, &workspace, tool, |variable, linear, angular| {
-        jacobian[variable] = rows.column(&workspace, goal, linear, angular);
+        jacobian[variable] = rows.column(&(), goal, linear, angular);
     });
     for (limit, variable) in held.into_iter().flatten().zip(exact.variables) {
         let (x, column) = (ordered[*variable], &mut jacobian[*variable]);

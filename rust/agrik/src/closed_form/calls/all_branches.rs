@@ -5,10 +5,11 @@ use super::last_resort;
 use super::one_pose::Alone;
 use super::query::{FEW, Query, RUN};
 use crate::call::Status;
+use crate::closed_form::branch::check::{is_exact, without_rough};
 use crate::closed_form::branch::group::Group;
 use crate::closed_form::branch::unreachable::is_out_of_reach;
 use crate::error::{Error, Result};
-use crate::lanes::{Kernel, Level, Real, dispatch};
+use crate::lanes::{Kernel, Lanes, Level, Real, dispatch};
 use crate::threads::share;
 
 /// All branches of every target, on `threads` threads (0: the number in force); `poll` as
@@ -37,17 +38,20 @@ pub fn all_into(
     let mut branches = Branches::new(query.request.len(), count);
     let rows = branches.as_mut_with(q);
     let few = rows.len() <= FEW;
-    let work = |mut rows: BranchesMut<'_>| {
-        if few {
-            dispatch(level, OneByOne { query, rows: &mut rows });
-        } else {
-            dispatch(level, InLanes { query, rows: &mut rows });
-        }
-    };
+    let work = |mut rows: BranchesMut<'_>| fill(level, query, &mut rows, few);
     if share(rows.split(RUN), threads, &work, poll) {
         Ok(branches)
     } else {
         Err(Error::Interrupted)
+    }
+}
+
+/// Works out all branches of some targets, a few of them one by one.
+pub(super) fn fill(level: Level, query: &Query<'_>, rows: &mut BranchesMut<'_>, few: bool) {
+    if few {
+        dispatch(level, OneByOne { query, rows });
+    } else {
+        dispatch(level, InLanes { query, rows });
     }
 }
 
@@ -71,7 +75,8 @@ impl Kernel for InLanes<'_, '_> {
             for lane in 0..R::WIDTH {
                 if used >> lane & 1 != 0 {
                     let bad = bad >> lane & 1 != 0;
-                    write(&group, lane, bad, rows, row - rows.first + lane);
+                    let last = query.last_search;
+                    write(&group, lane, (bad, last), rows, row - rows.first + lane);
                 }
             }
             row += R::WIDTH;
@@ -84,7 +89,7 @@ impl Kernel for InLanes<'_, '_> {
 fn write<R: Real>(
     group: &Group<'_, R>,
     lane: usize,
-    bad: bool,
+    (bad, last_search): (bool, bool),
     rows: &mut BranchesMut<'_>,
     i: usize,
 ) {
@@ -99,20 +104,36 @@ fn write<R: Real>(
         return;
     }
     let mut any_valid = false;
+    let left = kept(group, lane, count);
     for (b, one) in q.chunks_exact_mut(joints).enumerate() {
         let candidate = &group.candidates[b];
         for (x, variable) in candidate.q.iter().zip(variables) {
             one[*variable] = x.lane(lane);
         }
-        let reached = group.reached[b] >> lane & 1 != 0;
+        let reached = left >> b & 1 != 0;
         let valid = reached && group.inside[b] >> lane & 1 != 0;
         any_valid |= valid;
         rows.reached[i * count + b] = reached;
         rows.valid[i * count + b] = valid;
         rows.singular[i * count + b] = if reached { candidate.flags(lane) } else { 0 };
     }
-    rows.status[i] =
-        if any_valid { Status::Converged as u8 } else { none(group, lane, rows, i) as u8 };
+    rows.status[i] = match (any_valid, last_search) {
+        (true, _) => Status::Converged as u8,
+        (false, true) => none(group, lane, rows, i) as u8,
+        (false, false) => Status::NotFound as u8,
+    };
+}
+
+/// The branches of a lane that are such beside the others, a bit each.
+#[inline(always)]
+fn kept<R: Real>(group: &Group<'_, R>, lane: usize, count: usize) -> Lanes {
+    let (mut reached, mut inside, mut exact) = (0, 0, 0);
+    for b in 0..count {
+        reached |= (group.reached[b] >> lane & 1) << b;
+        inside |= (group.inside[b] >> lane & 1) << b;
+        exact |= (is_exact(group.position2[b], group.chord2[b]) >> lane & 1) << b;
+    }
+    without_rough(reached, inside, exact)
 }
 
 /// Looks once more at a target without a valid branch.
@@ -159,7 +180,10 @@ impl Kernel for OneByOne<'_, '_> {
         for i in 0..rows.len() {
             let mut found = Alone::new(&job);
             match query.alone::<R>(&job, rows.first + i) {
-                Some(target) => found.solve(&job, &target, None),
+                Some(target) => {
+                    found.solve(&job, &target, query.last_search, None);
+                    found.drop_rough();
+                }
                 None => found.stand_in(&job),
             }
             let room = count * joints;

@@ -1,20 +1,20 @@
 //! The best branch of every target, as a call of [`crate::call::solve`].
 
+use super::accepted_branch;
 use super::arm_angle::ArmAngle;
 use super::last_resort;
 use super::one_pose::{Alone, Left};
 use super::query::{FEW, Query, RUN, Target};
-use crate::call::{AnswersMut, Outcome, Solve, Status};
+use crate::call::{Aim, AnswersMut, Outcome, Solve, Status};
 use crate::closed_form::arm_angle::search;
 use crate::closed_form::branch::check::least_outside;
-use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::branch::group::{Group, Job};
 use crate::closed_form::branch::polish::Polished;
 use crate::closed_form::branch::unreachable::is_out_of_reach;
 use crate::closed_form::families::{ClosedForm, Srs};
 use crate::closed_form::geometry::candidate::{JOINTS, MOST_BRANCHES};
 use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
-use crate::task::{Goal, rotation_between};
+use crate::task::Goal;
 
 impl Solve for Query<'_> {
     fn rows(&self) -> usize {
@@ -48,6 +48,17 @@ impl Solve for Query<'_> {
                     }
                     _ => dispatch(level, InLanes { query, rows, begin: done, end }),
                 }
+                if let Some(guard) = self.request.guard() {
+                    accepted_branch::guarded(self, guard, level, rows, done..end);
+                }
+                let (request, aim) = (&self.request, self.request.aim());
+                if aim.tolerance().axes.is_some() {
+                    // Branches are found by whole errors; what is told is of the axes that count.
+                    rows.tell_anew(done, end, |row, q| {
+                        let left = aim.left(&self.job().at(q), &request.goal(row)?);
+                        Some((left.position2.sqrt(), left.orientation2.sqrt()))
+                    });
+                }
                 done = end;
                 if !keep_going() {
                     return false;
@@ -60,7 +71,7 @@ impl Solve for Query<'_> {
 
 impl<'a> Query<'a> {
     /// The arm, where its arm angle is free and the best one wanted.
-    fn free(&self) -> Option<&'a Srs> {
+    pub(super) fn free(&self) -> Option<&'a Srs> {
         match (self.form, self.angle) {
             (ClosedForm::Srs(arm), ArmAngle::Free) => Some(arm),
             _ => None,
@@ -84,7 +95,7 @@ impl Kernel for OneByOne<'_, '_> {
         let job = query.job();
         for i in self.begin..self.end {
             let target = query.alone::<R>(&job, rows.first + i);
-            alone_best(&job, target, query.choice, rows, i);
+            alone_best(query, &job, target, rows, i);
         }
     }
 }
@@ -92,12 +103,13 @@ impl Kernel for OneByOne<'_, '_> {
 /// Writes the best branch of one target, which is `None` where it is no pose.
 #[inline(always)]
 fn alone_best<R: Real>(
+    query: &Query<'_>,
     job: &Job<'_>,
     target: Option<Target<R>>,
-    choice: Choice,
     rows: &mut AnswersMut<'_>,
     i: usize,
 ) {
+    let (choice, aim) = (query.choice, query.request.aim());
     let Some(mut target) = target else {
         job.stand_in(rows.finish(i, Outcome::unanswered(Status::BadInput)));
         return;
@@ -105,13 +117,13 @@ fn alone_best<R: Real>(
     target.near.judged_by(choice, job.geometry);
     let mut found = Alone::new(job);
     let mut left = Left::new();
-    found.solve(job, &target, Some((&mut left, choice)));
+    found.solve(job, &target, true, Some((&mut left, choice)));
     if let Some(b) = found.best(&left) {
         let outcome = reached(left.position2[b], left.chord2[b]);
         rows.finish(i, outcome).copy_from_slice(found.branch(b));
     } else {
         let branches = (0..found.branches()).map(|b| found.branch(b));
-        nearest(job, &target.goal, branches, found.status(), rows, i);
+        nearest((job, aim), &target.goal, branches, found.status(), rows, i);
     }
 }
 
@@ -167,7 +179,7 @@ impl Kernel for InLanes<'_, '_> {
                 } else if best.found >> lane & 1 != 0 {
                     answer(&group, lane, best.branch.lane(lane) as usize, rows, row);
                 } else {
-                    none(&group, lane, free, rows, row);
+                    none(query, &group, lane, rows, row);
                 }
             }
             i += R::WIDTH;
@@ -201,15 +213,16 @@ fn answer<R: Real>(
     }
 }
 
-/// Writes a lane without any valid branch, after a last search; `free`: at all arm angles.
+/// Writes a lane without any valid branch, after a last search; of a free arm angle at all.
 #[inline(never)]
 fn none<R: Real>(
+    query: &Query<'_>,
     group: &Group<'_, R>,
     lane: usize,
-    free: Option<&Srs>,
     rows: &mut AnswersMut<'_>,
     i: usize,
 ) {
+    let (free, aim) = (query.free(), query.request.aim());
     let (job, goal) = (&group.job, group.goal.of_lane(lane));
     let branches = group.candidates.map(|candidate| candidate.q.map(|x| x.lane(lane)));
     let centre = group.near.centre.map(|x| x.lane(lane));
@@ -235,13 +248,13 @@ fn none<R: Real>(
         }
     }
     let joints = job.variables().len();
-    nearest(job, &goal, ordered.iter().map(|q| &q[..joints]), status, rows, i);
+    nearest((job, aim), &goal, ordered.iter().map(|q| &q[..joints]), status, rows, i);
 }
 
 /// Writes, in place of an answer, the branch that violates the limits least, held inside
 /// them.
 fn nearest<'q>(
-    job: &Job<'_>,
+    (job, aim): (&Job<'_>, &Aim),
     goal: &Goal<f64>,
     branches: impl Iterator<Item = &'q [f64]>,
     status: Status,
@@ -266,15 +279,12 @@ fn nearest<'q>(
         }
     }
     let q = &best.1[..job.variables().len()];
-    let (axes, point) = job.pose(q);
-    let way = crate::lanes::sub(point, goal.position);
-    let turn = rotation_between(axes, goal.axes);
-    let position_error = crate::lanes::dot(way, way).sqrt();
-    let orientation_error = crate::lanes::dot(turn, turn).sqrt();
+    let left = aim.left(&job.at(q), goal);
     // With wide tolerances a posture held at its limits may be near enough.
-    let tolerance = job.exact.tolerance;
-    let near = position_error <= tolerance.position && orientation_error <= tolerance.orientation;
-    let status = if near { Status::Converged } else { status };
-    let outcome = Outcome { position_error, orientation_error, ..Outcome::unanswered(status) };
+    let outcome = Outcome {
+        position_error: left.position2.sqrt(),
+        orientation_error: left.orientation2.sqrt(),
+        ..Outcome::unanswered(if aim.is_met(&left) { Status::Converged } else { status })
+    };
     rows.finish(i, outcome).copy_from_slice(q);
 }

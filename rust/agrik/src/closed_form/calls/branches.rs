@@ -19,6 +19,16 @@ pub struct Branches {
     pub singular: Vec<u8>,
     /// What became of each target.
     pub status: Vec<u8>,
+    /// What else is to be said of each target, bits of [`super::warning`]; empty for nothing.
+    pub warnings: Vec<u8>,
+    /// Entry of `q` that a singularity leaves free for each target, -1 for none; empty for none.
+    pub free: Vec<i8>,
+    /// Value of the swept or locked joint or arm angle of each branch; empty without one.
+    pub values: Vec<f64>,
+    /// Number of each branch among those of its value; empty where it is its place.
+    pub numbers: Vec<u32>,
+    /// Angle left for each target that asks for too much, rad; empty without any.
+    pub left: Vec<f64>,
 }
 
 impl Branches {
@@ -31,6 +41,7 @@ impl Branches {
             reached: vec![false; rows * branches],
             singular: vec![0; rows * branches],
             status: vec![Status::NotFound as u8; rows],
+            ..Self::default()
         }
     }
 
@@ -43,6 +54,9 @@ impl Branches {
             reached: &mut self.reached,
             singular: &mut self.singular,
             status: &mut self.status,
+            warnings: &mut self.warnings,
+            free: &mut self.free,
+            left: &mut self.left,
         }
     }
 }
@@ -57,6 +71,10 @@ pub struct BranchesMut<'a> {
     pub(crate) reached: &'a mut [bool],
     pub(crate) singular: &'a mut [u8],
     pub(crate) status: &'a mut [u8],
+    /// Empty where nobody asks.
+    pub(crate) warnings: &'a mut [u8],
+    pub(crate) free: &'a mut [i8],
+    pub(crate) left: &'a mut [f64],
 }
 
 impl<'a> BranchesMut<'a> {
@@ -79,15 +97,33 @@ impl<'a> BranchesMut<'a> {
             .zip(self.reached.chunks_mut(branches))
             .zip(self.singular.chunks_mut(branches))
             .zip(self.status.chunks_mut(size))
+            .zip(pieces(self.warnings, size))
+            .zip(pieces(self.free, size))
+            .zip(pieces(self.left, size))
             .enumerate()
-            .map(|(i, ((((q, valid), reached), singular), status))| BranchesMut {
-                first: self.first + i * size,
-                q,
-                valid,
-                reached,
-                singular,
-                status,
+            .map(|(i, (((((((q, valid), reached), singular), status), warnings), free), left))| {
+                BranchesMut {
+                    first: self.first + i * size,
+                    q,
+                    valid,
+                    reached,
+                    singular,
+                    status,
+                    warnings,
+                    free,
+                    left,
+                }
             })
             .collect()
     }
+}
+
+/// Pieces of a size; of nothing as many empty ones as are asked for.
+fn pieces<T>(all: &mut [T], size: usize) -> impl Iterator<Item = &mut [T]> {
+    let none = all.is_empty();
+    all.chunks_mut(size).chain(std::iter::repeat_with(|| &mut [][..]).take(if none {
+        usize::MAX
+    } else {
+        0
+    }))
 }

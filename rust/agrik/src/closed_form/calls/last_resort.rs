@@ -32,8 +32,8 @@ const SAMPLES: usize = 24;
 
 fn farthest(job: &Job<'_>) -> f64 {
     let size: f64 = job.geometry.links.iter().map(|link| link.a.abs() + link.d.abs()).sum();
-    let tolerance = job.exact.tolerance;
-    FAR + TIMES * (tolerance.orientation + tolerance.position / size)
+    let tolerance = job.exact.inner;
+    FAR + TIMES * (tolerance.orientation.min(TAU) + tolerance.position.min(size) / size)
 }
 
 /// A posture from one of some branches (values along the chain), and from which.
@@ -59,7 +59,8 @@ pub(super) fn found(
     }
     near.sort_by(|a, b| a.0.total_cmp(&b.0));
     near.truncate(if branches.len() > MOST_BRANCHES { MOST_AT_ALL } else { MOST });
-    let posture = |q| held(&job.exact, limits, q, goal, if job.steps { STEPS } else { 0 });
+    let steps = if job.steps { STEPS } else { 0 };
+    let posture = |q| held(&job.exact, limits, q, (goal, centre), steps);
     near.into_iter().find_map(|(_, b, q)| posture(q).map(|posture| (b, posture)))
 }
 

@@ -5,6 +5,7 @@
 use super::last_resort;
 use super::query::{Query, Target};
 use crate::call::Status;
+use crate::closed_form::branch::check::{is_exact, without_rough};
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::branch::group::Job;
 use crate::closed_form::branch::unreachable::is_out_of_reach;
@@ -21,6 +22,7 @@ pub struct Alone {
     /// One bit a branch.
     pub(crate) reached: Lanes,
     inside: Lanes,
+    exact: Lanes,
     singular: [u8; MOST_BRANCHES],
     /// The same of branches that are not reached.
     flags: [u8; MOST_BRANCHES],
@@ -55,6 +57,7 @@ impl Alone {
             q: [0.0; MOST_BRANCHES * JOINTS],
             reached: 0,
             inside: 0,
+            exact: 0,
             singular: [0; MOST_BRANCHES],
             flags: [0; MOST_BRANCHES],
             status: Status::BadInput,
@@ -119,13 +122,14 @@ impl Alone {
         &mut self,
         job: &Job<'_>,
         target: &Target<R>,
+        last_search: bool,
         mut left: Option<(&mut Left, Choice)>,
     ) {
         let variables = job.variables();
         let goal = everywhere::<R>(&target.goal);
         let (near, (sine, cosine)) = (&target.near, target.angle.sin_cos());
         let angle = (R::splat(sine), R::splat(cosine));
-        (self.reached, self.inside) = (0, 0);
+        (self.reached, self.inside, self.exact) = (0, 0, 0);
         // Both families have two ways to turn the wrist at the end of each arm.
         let pairs = job.form.branches() / 2;
         let mut first = 0;
@@ -136,6 +140,7 @@ impl Alone {
             for (way, candidate) in pair.iter().enumerate() {
                 let (position2, chord2) = missed[way];
                 let reached = job.exact.is_near(position2, chord2) & !candidate.merged;
+                let exact = is_exact(position2, chord2);
                 let rows = &mut self.q[(2 * first + way) * self.joints..];
                 for (x, variable) in candidate.q.iter().zip(variables) {
                     for lane in 0..lanes {
@@ -147,6 +152,7 @@ impl Alone {
                     let hit = reached >> lane & 1;
                     self.reached |= hit << b;
                     self.inside |= (inside[way] >> lane & 1) << b;
+                    self.exact |= (exact >> lane & 1) << b;
                     self.flags[b] = candidate.flags(lane);
                     self.singular[b] = if hit != 0 { self.flags[b] } else { 0 };
                 }
@@ -164,10 +170,24 @@ impl Alone {
         }
         self.status = if self.reached & self.inside != 0 {
             Status::Converged
+        } else if !last_search {
+            Status::NotFound
         } else {
             let centre = near.centre.map(|x| x.lane(0));
             self.none(job, &target.goal, &centre, left.map(|(left, _)| left))
         };
+    }
+
+    /// Leaves only branches that are such beside the others, see [`without_rough`].
+    #[inline(always)]
+    pub(crate) fn drop_rough(&mut self) {
+        let dropped = self.reached & !without_rough(self.reached, self.inside, self.exact);
+        self.reached &= !dropped;
+        for (b, singular) in self.singular.iter_mut().enumerate() {
+            if dropped >> b & 1 != 0 {
+                *singular = 0;
+            }
+        }
     }
 
     /// Looks once more at a target without a valid branch.
@@ -248,7 +268,10 @@ impl Kernel for Branching<'_> {
     #[inline(always)]
     fn run<R: Real>(self) {
         match self.query.alone::<R>(self.job, 0) {
-            Some(target) => self.out.solve(self.job, &target, None),
+            Some(target) => {
+                self.out.solve(self.job, &target, self.query.last_search, None);
+                self.out.drop_rough();
+            }
             None => self.out.stand_in(self.job),
         }
     }

@@ -33,6 +33,8 @@ pub struct Query<'a> {
     pub(crate) choice: Choice,
     /// The best arm angle is proven to be the best.
     pub(crate) proof: bool,
+    /// Targets without a valid branch are looked at once more.
+    pub(crate) last_search: bool,
 }
 
 impl<'a> Query<'a> {
@@ -44,13 +46,24 @@ impl<'a> Query<'a> {
         }
         let form = form_of(request.chain())?;
         arm_angles(form, angle, request.len())?;
-        Ok(Self { request, form, angle, choice, proof: false })
+        Ok(Self { request, form, angle, choice, proof: false, last_search: true })
     }
 
     /// The same call, where a free arm angle is proven to be the best and not only the best
     /// of those looked at.
     pub fn with_proof(self) -> Self {
         Self { proof: true, ..self }
+    }
+
+    /// The same call for nothing but branches: a target without a valid one is not looked at
+    /// again, neither for a posture within the tolerances nor for a proof that there is none.
+    pub fn without_last_search(self) -> Self {
+        Self { last_search: false, ..self }
+    }
+
+    /// The arm reaches targets at arm angles that are free.
+    pub(crate) fn is_redundant(&self) -> bool {
+        matches!((self.form, self.angle), (ClosedForm::Srs(_), ArmAngle::Free))
     }
 
     pub(crate) fn chain(&self) -> &'a Chain {

@@ -1,10 +1,18 @@
 //! Which arms have a closed form: one file a family, and the choice between them.
 
+pub mod every;
+mod lead;
+mod meeting;
+pub mod postures;
+pub mod ring;
 mod shoulder;
 mod shoulder_arcs;
+pub mod six;
 pub mod spherical_wrist;
 pub mod srs;
+mod three_parallel;
 
+pub use lead::Lead;
 pub use shoulder::Kind;
 pub use spherical_wrist::SphericalWrist;
 pub use srs::Srs;

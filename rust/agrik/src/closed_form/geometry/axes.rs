@@ -11,6 +11,7 @@ use super::limit::Limit;
 use super::turn::{Link, Turn};
 use crate::chain::{Chain, Compiled, Variable};
 use crate::kinematics::{Workspace, forward};
+use crate::lanes::V3;
 
 /// Lengths below this share of the reach count as zero, and sines below it as well.
 pub const TOLERANCE: f64 = 1e-6;
@@ -56,8 +57,9 @@ impl Geometry {
     /// The axes of a chain, or why they cannot be taken as such.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let compiled = chain.compiled();
-        if compiled.links.iter().any(|link| link.prismatic) {
-            return Err("it has a prismatic joint".to_owned());
+        if let Some(slide) = compiled.links.iter().find(|link| link.prismatic) {
+            let name = &chain.variables()[slide.variable].name;
+            return Err(format!("its prismatic joint '{name}' is not locked at a value"));
         }
         let alone = compiled.links.len() == compiled.dof
             && compiled.links.iter().all(|link| link.multiplier == 1.0);
@@ -74,12 +76,42 @@ impl Geometry {
     ) -> Result<Self, String> {
         let mut workspace = Workspace::<f64>::new(compiled);
         forward(compiled, &vec![0.0; compiled.dof], &mut workspace);
+        let lines: Vec<_> =
+            workspace.axes.iter().map(|axis| (axis.origin, axis.direction)).collect();
+        let [last_x, ..] = workspace.joint_axes();
+        let order: Vec<usize> = compiled.links.iter().map(|link| link.variable).collect();
+        let limits: Vec<Limit> = order.iter().map(|i| Limit::of(&variables[*i])).collect();
+        Self::of(&lines, last_x, reach, order, limits)
+    }
+
+    /// The geometry of lines, each a point (m) and a direction, of joints without limits;
+    /// `last_x` is a direction across the last one from which its joint is counted, and `reach`
+    /// the size that the tolerance is a share of, m.
+    pub fn of_lines(
+        lines: &[(V3<f64>, V3<f64>)],
+        last_x: V3<f64>,
+        reach: f64,
+    ) -> Result<Self, String> {
+        let free = Limit {
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            middle: 0.0,
+            half: f64::INFINITY,
+        };
+        let order = (0..lines.len()).collect();
+        Self::of(lines, last_x, reach, order, vec![free; lines.len()])
+    }
+
+    fn of(
+        lines: &[(V3<f64>, V3<f64>)],
+        last_x: V3<f64>,
+        reach: f64,
+        order: Vec<usize>,
+        limits: Vec<Limit>,
+    ) -> Result<Self, String> {
         let tolerance = TOLERANCE * reach;
-        let lines: Vec<_> = workspace
-            .axes
-            .iter()
-            .map(|axis| (Vector3::from(axis.origin), Vector3::from(axis.direction)))
-            .collect();
+        let lines: Vec<_> =
+            lines.iter().map(|(p, h)| (Vector3::from(*p), Vector3::from(*h))).collect();
         let (origin, first) = lines[0];
         // Any direction does for x; one that is the same for the same robot.
         let guess = if first.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
@@ -109,10 +141,7 @@ impl Geometry {
         // An angle moves all that comes after it.
         let size: f64 = links.iter().map(|link| link.a.abs() + link.d.abs()).sum();
         misfit.position += misfit.orientation * size;
-        let [last_x, ..] = workspace.joint_axes();
         let last_theta = angle_about(&last_h, &normal, &Vector3::from(last_x));
-        let order: Vec<usize> = compiled.links.iter().map(|link| link.variable).collect();
-        let limits: Vec<Limit> = order.iter().map(|i| Limit::of(&variables[*i])).collect();
         let offsets = links.iter().map(|link| link.theta).chain([last_theta]);
         let middle = limits.iter().zip(offsets);
         Ok(Self {

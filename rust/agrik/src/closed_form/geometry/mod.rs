@@ -7,4 +7,7 @@ pub mod limit;
 pub mod pieces;
 pub mod quartic;
 pub mod range;
+pub mod rigid;
+pub mod screws;
+pub mod serial;
 pub mod turn;

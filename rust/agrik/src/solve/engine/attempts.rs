@@ -1,16 +1,17 @@
 //! Which target a lane works on, and from where: attempts begin and end here.
 
+use std::cmp::Ordering;
+
 use smallvec::smallvec;
 
 use super::Engine;
 use super::feedback::Halt;
 use super::nearest::{End, Search};
 use super::runs::{Place, Runs};
-use crate::call::{AnswersMut, Outcome, Status};
+use crate::call::{AnswersMut, Guard, Left, Outcome, Prefer, Status};
 use crate::chain::Variable;
 use crate::kinematics::{PerJoint, Workspace, forward};
 use crate::lanes::Real;
-use crate::solve::plan::INSIDE;
 use crate::solve::step::squared_norm;
 use crate::task::{Goal, Rows, TaskError};
 
@@ -20,12 +21,17 @@ const AROUND: u32 = 2;
 /// From this attempt on every second one starts near the best end so far.
 const HOPS: u32 = 8;
 /// Most starts from which a nearest posture is looked for; fewer where so many ends after the
-/// best one bring the tool as near as it, but for this share of the length per radian.
+/// best one bring the tool as near as it, but for this share of the length per radian, and this
+/// angle, rad.
 pub(super) const MOST_STARTS: u32 = 32;
 const ENOUGH: u32 = 8;
 const SAME: f64 = 1e-5;
-/// What orientations count beside places while the nearest posture is looked for.
-const LITTLE: f64 = 1e-3;
+/// Attempts after the first at a pose of which only the position has to be met.
+pub(super) const POSES: u32 = 4;
+/// Attempts after the first whose end may be the answer, where the best of several is wanted.
+const LOOKS: u32 = 7;
+/// Refused ends from which on no more are looked for.
+const MOST_REFUSED: usize = 64;
 
 /// What a lane is busy with.
 #[derive(Debug, Clone)]
@@ -44,6 +50,11 @@ pub(super) struct Job {
     /// The best end of an attempt so far.
     best: Option<Best>,
     best_q: PerJoint<f64>,
+    /// What the call's guard finds the best end that it accepts, and the attempt that was the
+    /// first to end with one.
+    accepted: Option<(f64, u32)>,
+    /// Ends that reached the goal and that the guard refused, one after the other.
+    refused: Vec<f64>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -68,6 +79,8 @@ impl Job {
             unreachable: false,
             best: None,
             best_q: smallvec![0.0; dof],
+            accepted: None,
+            refused: Vec::new(),
         }
     }
 }
@@ -97,11 +110,17 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         error: &TaskError<R, M>,
         runs: &mut Runs<'_>,
     ) -> bool {
-        let settings = &self.setup.settings;
-        let solved = status == Status::Converged;
+        let mut solved = status == Status::Converged;
+        let mut squared = squared_norm(&error.rows).lane(lane);
+        if solved && let Some(guard) = self.plan.request.guard() {
+            let errors = (error.position2.lane(lane), error.orientation2.lane(lane));
+            let q = self.q.iter().map(|x| x.lane(lane)).collect();
+            solved = self.judge(lane, guard, q, errors);
+            squared = f64::INFINITY;
+        }
         let job = &mut self.jobs[lane];
-        let squared = squared_norm(&error.rows).lane(lane);
-        if solved || job.best.is_none_or(|best| squared < best.squared) {
+        let judged = job.accepted.is_some() || !job.refused.is_empty();
+        if solved && !judged || job.best.is_none_or(|best| squared < best.squared) {
             let position_error = error.position2.lane(lane).sqrt();
             let orientation_error = error.orientation2.lane(lane).sqrt();
             // An attempt that ran into numbers without meaning is no answer.
@@ -112,7 +131,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
                 }
             }
         }
-        if !solved && !job.unreachable && job.attempt < settings.max_restarts {
+        if !solved && !job.unreachable && job.attempt < self.most_restarts {
             job.attempt += 1;
             job.steps_before += job.steps;
             job.steps = 0;
@@ -120,28 +139,44 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             self.start(lane, row, attempt, &goal);
             return true;
         }
-        if !solved && self.completes {
+        if !solved && self.completes && !judged {
             self.complete(lane);
         }
+        if self.jobs[lane].refused.len() > self.q.len() && self.jobs[lane].accepted.is_none() {
+            self.choose_refused(lane);
+        }
         let job = &mut self.jobs[lane];
-        let best = job.best.unwrap_or_else(|| {
-            job.best_q.iter_mut().zip(self.variables).for_each(|(x, v)| *x = v.near_zero());
+        let mut best = job.best.unwrap_or_else(|| {
+            let given = self.plan.start(job.row);
+            for (i, (x, v)) in job.best_q.iter_mut().zip(self.variables).enumerate() {
+                let (limit, near) = (&self.limits[i], v.near_zero());
+                let about = given.map_or(limit.middle, |start| limit.reference(start[i]));
+                *x = if limit.turns || limit.winds { limit.wound(near, about) } else { near };
+            }
             let request = &self.plan.request;
             let mut at = Workspace::new(request.chain().compiled());
             forward(request.chain().compiled(), &job.best_q, &mut at);
-            let left = request.goal(job.row).map(|goal| request.errors(&at, &goal));
-            let (position2, orientation2) = left.unwrap_or((f64::INFINITY, f64::INFINITY));
+            let goal = request.goal(job.row);
+            let left = goal.map_or(Left::UNKNOWN, |goal| request.left(&at, &goal));
             // A solution is one however it came about.
-            let tolerance = request.tolerance();
-            let solved = position2 <= (INSIDE * tolerance.position).powi(2)
-                && orientation2 <= (INSIDE * tolerance.orientation).powi(2);
+            let solved = request.aim().is_met(&left);
             Best {
                 squared: f64::INFINITY,
                 status: if solved { Status::Converged } else { status },
-                position_error: position2.sqrt(),
-                orientation_error: orientation2.sqrt(),
+                position_error: left.position2.sqrt(),
+                orientation_error: left.orientation2.sqrt(),
             }
         });
+        if best.status != Status::Converged && self.setup.aim.puts_position_first() {
+            let mut at = Workspace::new(self.plan.request.chain().compiled());
+            forward(self.plan.request.chain().compiled(), &job.best_q, &mut at);
+            let goal = self.plan.request.goal(job.row);
+            if goal.is_some_and(|goal| self.setup.aim.is_met(&self.setup.aim.left(&at, &goal))) {
+                let guard = self.plan.request.guard();
+                let free = guard.is_none_or(|guard| guard.accept.accepts(&job.best_q) & 1 != 0);
+                best.status = if free { Status::Converged } else { Status::InCollision };
+            }
+        }
         let proven = job.unreachable && best.status != Status::Converged;
         let status = if proven { Status::OutOfReach } else { best.status };
         let outcome = Outcome {
@@ -157,6 +192,68 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         false
     }
 
+    /// Asks the call's guard about a lane's end that reached the goal, and keeps it where it is
+    /// the best so far; true where no other needs to be looked for.
+    #[inline(never)]
+    fn judge(
+        &mut self,
+        lane: usize,
+        guard: Guard<'_>,
+        q: PerJoint<f64>,
+        (position2, orientation2): (f64, f64),
+    ) -> bool {
+        let start = self.plan.start(self.jobs[lane].row);
+        let job = &mut self.jobs[lane];
+        let about = |i: usize| start.map_or(self.variables[i].middle(), |start| start[i]);
+        let score = guard.score(&q, 0.0, about);
+        let better = match (score, job.accepted) {
+            (Some(score), before) => before.is_none_or(|before| score > before.0),
+            // The first of those refused stands in for all of them.
+            (None, before) => before.is_none() && job.refused.is_empty(),
+        };
+        if score.is_none() {
+            job.refused.extend_from_slice(&q);
+        }
+        if better {
+            let accepted = score.is_some();
+            job.best = Some(Best {
+                // Nothing that does not reach the goal is better.
+                squared: f64::NEG_INFINITY,
+                status: if accepted { Status::Converged } else { Status::InCollision },
+                position_error: position2.sqrt(),
+                orientation_error: orientation2.sqrt(),
+            });
+            job.best_q = q;
+        }
+        if let Some(score) = score {
+            let (best, first) = job.accepted.unwrap_or((score, job.attempt));
+            job.accepted = Some((best.max(score), first));
+        }
+        let looks = if guard.prefer == Prefer::First { 0 } else { LOOKS };
+        match job.accepted {
+            Some((_, first)) => job.attempt >= first + looks,
+            None => job.refused.len() >= MOST_REFUSED * self.q.len(),
+        }
+    }
+
+    /// Makes the least bad of the ends that the guard refused a lane's answer.
+    #[inline(never)]
+    fn choose_refused(&mut self, lane: usize) {
+        let request = &self.plan.request;
+        let job = &mut self.jobs[lane];
+        let (Some(guard), Some(goal)) = (request.guard(), request.goal(job.row)) else { return };
+        let dof = job.best_q.len();
+        let chosen = guard.best_margin(job.refused.chunks_exact(dof));
+        job.best_q.copy_from_slice(&job.refused[chosen * dof..(chosen + 1) * dof]);
+        let mut at = Workspace::new(request.chain().compiled());
+        forward(request.chain().compiled(), &job.best_q, &mut at);
+        let left = request.left(&at, &goal);
+        if let Some(best) = &mut job.best {
+            best.position_error = left.position2.sqrt();
+            best.orientation_error = left.orientation2.sqrt();
+        }
+    }
+
     /// Looks for a row's nearest posture where attempts did not solve it: from the best end, and
     /// from other starts. Solved after all is solved.
     #[inline(never)]
@@ -166,12 +263,10 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
         let (plan, limits) = (self.plan, &self.limits[..]);
         let scale = self.setup.rotation_scale;
         let whole = Search { plan, limits, goal, scale };
-        let place = Search { scale: scale * LITTLE, ..whole };
         let mut best: Option<(End, PerJoint<f64>)> = None;
         // Ends that are as near as the best one.
         let mut agree = 0;
-        let same = SAME * scale;
-        for start in 0..MOST_STARTS {
+        for start in 0..MOST_STARTS.min(self.setup.settings.max_restarts.saturating_add(1)) {
             let mut q = job.best_q.clone();
             if start > 0 || job.best.is_none() {
                 let attempt = job.attempt + start;
@@ -186,21 +281,44 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             }
             job.steps += end.map_or(0, |end| end.steps);
             // First the place, then how the tool is turned.
-            let end = end.filter(|end| end.solved).unwrap_or_else(|| place.run(&mut q));
+            let mut end = end.filter(|end| end.best).unwrap_or_else(|| whole.place_first(&mut q));
             job.steps += end.steps;
-            let before = best.as_ref().map(|(before, _)| *before);
-            if let Some(before) = before {
-                let closer = before.position_error - end.position_error;
-                agree = if closer > same { 0 } else { agree + u32::from(closer > -same) };
+            if !end.best && end.is_close(scale) {
+                // From the right place the rest of the way may be open.
+                let mut there = q.clone();
+                let again = whole.run(&mut there);
+                job.steps += again.steps;
+                if again.best {
+                    (end, q) = (again, there);
+                }
             }
-            if end.solved || before.is_none_or(|before| end.cost < before.cost) {
+            let order = best.as_ref().map(|(before, _)| end.compare(before, SAME, scale));
+            match order {
+                None | Some(Ordering::Less) => agree = 0,
+                Some(Ordering::Equal) => agree += 1,
+                Some(Ordering::Greater) => {}
+            }
+            if best.as_ref().is_none_or(|(before, _)| end.is_nearer(before)) {
                 best = Some((end, q));
             }
-            if end.solved || agree >= ENOUGH {
+            if end.best || agree >= ENOUGH {
                 break;
             }
         }
-        if let Some((end, q)) = best {
+        if let Some((end, mut q)) = best {
+            let given = self.plan.start(self.jobs[lane].row);
+            for (i, (x, v)) in q.iter_mut().zip(&self.limits).enumerate() {
+                let about = given.map_or(v.middle, |start| v.reference(start[i]));
+                *x = if v.turns || v.winds { v.wound(*x, about) } else { *x };
+            }
+            if end.solved
+                && let Some(guard) = self.plan.request.guard()
+            {
+                let errors = (end.position_error.powi(2), end.orientation_error.powi(2));
+                self.judge(lane, guard, q, errors);
+                return;
+            }
+            let job = &mut self.jobs[lane];
             let status = if end.solved { Status::Converged } else { Status::NotFound };
             job.best = Some(Best {
                 squared: 2.0 * end.cost,
@@ -208,11 +326,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
                 position_error: end.position_error,
                 orientation_error: end.orientation_error,
             });
-            for (((to, x), v), reference) in
-                job.best_q.iter_mut().zip(q).zip(&self.limits).zip(&self.reference)
-            {
-                *to = if v.turns || v.winds { v.wound(x, reference.lane(lane)) } else { x };
-            }
+            job.best_q = q;
         }
     }
 
@@ -231,16 +345,19 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
                 runs.finish(place, outcome, self.variables.iter().map(Variable::near_zero));
                 continue;
             };
-            self.goal.set_lane(lane, &self.setup.at_point(goal));
+            let there = self.setup.at_point(goal);
+            self.goal.set_lane(lane, &there);
             let job = &mut self.jobs[lane];
             job.place = Some(place);
             job.row = row;
-            job.goal = self.setup.at_point(goal);
+            job.goal = there;
             job.attempt = 0;
             job.steps = 0;
             job.steps_before = 0;
             job.unreachable = self.plan.proven_unreachable(&goal);
             job.best = None;
+            job.accepted = None;
+            job.refused.clear();
             self.start(lane, row, 0, &goal);
             return true;
         }

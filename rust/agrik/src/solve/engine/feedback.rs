@@ -5,7 +5,7 @@
 
 use smallvec::{SmallVec, smallvec};
 
-use super::{Engine, STILL, square};
+use super::{Engine, Enough, STILL};
 use crate::chain::JointKind;
 use crate::kinematics::{PerJoint, forward};
 use crate::lanes::{Real, atan2, axpy, cross, dot, scale, sub};
@@ -259,8 +259,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn pid(&mut self, pid: &Pid, error: &TaskError<R, M>, mask: R::Mask) -> Halt {
         let compiled = self.plan.request.chain().compiled();
-        let tolerance = self.setup.aim.tolerance();
-        let (position2, orientation2) = (square(tolerance.position), square(tolerance.orientation));
+        let enough = Enough::of(self.setup.aim.tolerance());
         let rounding = R::splat(ROUNDING * self.plan.request.chain().reach().size);
         let dof = self.q.len();
         // Turning the tool about one axis moves no axis before it, so a sweep from the tip
@@ -319,10 +318,8 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
                     }
                 }
                 chosen = R::select(wins, norm, chosen);
-                let near =
-                    R::and(tried.position2.le(position2), tried.orientation2.le(orientation2));
                 let wins = R::bits(wins);
-                arrived = R::bits(near) & wins | arrived & !wins;
+                arrived = enough.holds::<T, M>(&tried) & wins | arrived & !wins;
             }
             moved = moved.max((best.0 - q).abs());
             self.q[joint] = best.0;

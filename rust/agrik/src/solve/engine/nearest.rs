@@ -6,15 +6,17 @@
 //! would creep. Joints at a limit that the slope pushes outward stand still for a step
 //! (Bertsekas 1982); where a step does not help it is damped more.
 
+use std::cmp::Ordering;
+
 use smallvec::{SmallVec, smallvec};
 
-use crate::call::Tolerance;
+use crate::call::Measure;
 use crate::chain::Compiled;
 use crate::kinematics::{PerJoint, Workspace, columns, forward};
 use crate::lanes::{cross, dot};
 use crate::solve::limit::Limit;
-use crate::solve::plan::{INSIDE, Plan};
-use crate::task::{AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task};
+use crate::solve::plan::Plan;
+use crate::task::{Goal, Rows};
 
 /// Steps of one search.
 const STEPS: u32 = 100;
@@ -26,6 +28,15 @@ const MOST: f64 = 1e6;
 /// A slope of the cost below this share of what errors can make, and a decrease below this
 /// share of it, is an end.
 const FLAT: f64 = 1e-14;
+/// What orientations count beside places while the nearest place is looked for; how much less
+/// at most so many times where that is too much to come within the tolerance, from errors below
+/// this share of the length per radian.
+const LITTLE: f64 = 1e-3;
+const LESS: f64 = 0.1;
+const FINER: u32 = 3;
+const NEAR: f64 = 1e-3;
+/// A pose that is off by less is nearly right, rad.
+const CLOSE: f64 = 0.1;
 /// Entries of a matrix that are held without an allocation.
 const SQUARE: usize = 64;
 
@@ -38,10 +49,48 @@ pub(super) struct End {
     pub orientation_error: f64,
     /// Within the tolerances.
     pub solved: bool,
+    /// Nothing nearer is looked for.
+    pub best: bool,
     pub steps: u32,
 }
 
+impl End {
+    /// Whether the posture is nearer than another one, or as near: first by its place, to within
+    /// a share of a length, then by how the tool is turned, to within that angle.
+    pub fn compare(&self, other: &Self, same: f64, length: f64) -> Ordering {
+        let order = |x: f64, y: f64, same: f64| {
+            if x < y - same {
+                Ordering::Less
+            } else if x > y + same {
+                Ordering::Greater
+            } else {
+                Ordering::Equal
+            }
+        };
+        order(self.position_error, other.position_error, same * length).then(order(
+            self.orientation_error,
+            other.orientation_error,
+            same,
+        ))
+    }
+
+    /// The tool is off by little, beside a length per radian.
+    pub fn is_close(&self, scale: f64) -> bool {
+        self.orientation_error < CLOSE && self.position_error < CLOSE * scale
+    }
+
+    /// The better answer of the two.
+    pub fn is_nearer(&self, other: &Self) -> bool {
+        match (self.solved, other.solved) {
+            (true, true) => self.orientation_error < other.orientation_error,
+            (false, false) => self.cost < other.cost,
+            (solved, _) => solved,
+        }
+    }
+}
+
 /// What searches for one row share.
+#[derive(Clone, Copy)]
 pub(super) struct Search<'p> {
     pub plan: &'p Plan<'p>,
     pub limits: &'p [Limit],
@@ -62,19 +111,29 @@ impl Search<'_> {
     #[inline(never)]
     pub fn run(&self, q: &mut PerJoint<f64>) -> End {
         let setup = self.plan.setup();
-        let (scale, tail) = (self.scale, setup.aim.tail());
-        match setup.aim.task() {
-            Task::Position => self.descend::<_, 3>(PositionRows, true, q),
-            Task::Pose => self.descend::<_, 6>(PoseRows { scale, onward: None }, true, q),
-            Task::Axis { tool_axis } => {
-                let axis = tail.direction(tool_axis);
-                self.descend::<_, 5>(AxisRows { scale, axis }, true, q)
-            }
-            Task::Masked { weights, frame } => {
-                let rows = MaskedRows { scale, weights, frame, tool: tail.rotation };
-                self.descend::<_, 6>(rows, false, q)
-            }
+        match setup.aim.measure(self.scale) {
+            Measure::Position(rows) => self.descend::<_, 3>(rows, true, q),
+            Measure::Pose(rows) => self.descend::<_, 6>(rows, true, q),
+            Measure::Axis(rows) => self.descend::<_, 5>(rows, true, q),
+            Measure::Framed(rows) => self.descend::<_, 6>(rows, false, q),
         }
+    }
+
+    /// Moves `q` to the nearest place nearby, and turns the tool as well as that allows.
+    pub fn place_first(&self, q: &mut PerJoint<f64>) -> End {
+        let mut search = Self { scale: LITTLE * self.scale, ..*self };
+        let mut end = search.run(q);
+        // Where the place can be had, the little that orientations count may be too much.
+        for _ in 0..FINER {
+            let aim = &self.plan.setup().aim;
+            if end.solved || !aim.puts_position_first() || end.position_error > self.scale * NEAR {
+                break;
+            }
+            search.scale *= LESS;
+            let next = search.run(q);
+            end = End { steps: end.steps + next.steps, ..next };
+        }
+        end
     }
 
     fn descend<T: Rows<f64, M>, const M: usize>(
@@ -88,7 +147,7 @@ impl Search<'_> {
         let mut at = self.point::<T, M>(&rows, places, q, &mut workspace);
         let mut damping = DAMPING;
         let mut steps = 0;
-        while steps < STEPS && !at.end.solved && damping <= MOST {
+        while steps < STEPS && !at.end.best && damping <= MOST {
             steps += 1;
             let free: PerJoint<usize> = (0..q.len())
                 .filter(|&i| {
@@ -119,7 +178,7 @@ impl Search<'_> {
             let decrease = at.end.cost - next.end.cost;
             if decrease > 0.0 {
                 *q = to;
-                let over = decrease <= FLAT * at.end.cost && !next.end.solved;
+                let over = decrease <= FLAT * at.end.cost && !next.end.best;
                 at = next;
                 damping = (damping / FACTOR).max(LEAST);
                 if over {
@@ -140,16 +199,16 @@ impl Search<'_> {
         workspace: &mut Workspace<f64>,
     ) -> Point {
         let chain = self.plan.request.chain().compiled();
-        let Tolerance { position, orientation } = self.plan.setup().aim.tolerance();
         forward(chain, q, workspace);
         let tool = workspace.tool_point(self.plan.setup().aim.tail().translation);
         let error = rows.error(workspace, tool, &self.goal);
         let dof = q.len();
         let mut jacobian: PerJoint<[f64; M]> = smallvec![[0.0; M]; dof];
         let mut linear: PerJoint<[f64; 3]> = SmallVec::new();
+        let seen = rows.look(workspace, tool, &self.goal);
         columns(chain, workspace, tool, |variable, l, a| {
             linear.push(l);
-            let column = rows.column(workspace, &self.goal, l, a);
+            let column = rows.column(&seen, &self.goal, l, a);
             for (sum, x) in jacobian[variable].iter_mut().zip(column) {
                 *sum += x;
             }
@@ -166,14 +225,13 @@ impl Search<'_> {
             let way = [error.rows[0], error.rows[1], error.rows[2]];
             bend(chain, workspace, &linear, way, &mut curvature);
         }
-        let (position_error, orientation_error) =
-            (error.position2.sqrt(), error.orientation2.sqrt());
+        let (aim, left) = (&self.plan.setup().aim, error.into());
         let end = End {
             cost: 0.5 * product(&error.rows, &error.rows),
-            position_error,
-            orientation_error,
-            solved: position_error <= position * INSIDE
-                && orientation_error <= orientation * INSIDE,
+            position_error: error.position2.sqrt(),
+            orientation_error: error.orientation2.sqrt(),
+            solved: aim.is_met(&left),
+            best: aim.is_best(&left),
             steps: 0,
         };
         Point { end, slope, curvature }

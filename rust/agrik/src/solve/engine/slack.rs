@@ -3,35 +3,78 @@
 //! The distance `d = |e| - r` of an error `e` from a sphere of radius `r` has the gradient
 //! `e / |e|`: near the sphere the part of the rows' Jacobian along the error is all that
 //! counts, and far away all of it does. Where an exact solution does not exist, least squares
-//! about the goal come to rest outside the sphere although places inside may be had.
+//! about the goal come to rest outside the sphere although places inside may be had. Rows with
+//! bounds of their own are spheres of one dimension.
 
 use crate::lanes::Real;
-use crate::solve::setup::Slack;
+use crate::solve::setup::{Room, Slack};
 
 /// How the rows of one block are changed.
 #[derive(Debug, Clone, Copy)]
-struct Block<R> {
-    /// Share of the columns that is left.
-    share: R,
-    /// What of them is added along the error.
-    along: R,
-    /// The error's direction.
-    direction: [R; 3],
+enum Block<R> {
+    /// Not at all.
+    Whole,
+    /// Together.
+    Ball {
+        /// Share of the columns that is left.
+        share: R,
+        /// What of them is added along the error.
+        along: R,
+        /// The error's direction.
+        direction: [R; 3],
+    },
+    /// Row by row: share of each that is left.
+    Box([R; 3]),
 }
 
 /// How the rows of an error are changed: of the first three, then of the rest.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Relaxed<R>([Block<R>; 2]);
 
+/// Share of its rows by which an error inside its sphere is held: it may grow as far as the
+/// sphere, and no farther, or a step for the other rows would lead far out again. From the given
+/// share of the radius on it is held more and more.
+#[inline(always)]
+fn held<R: Real>(length: R, radius: f64, from: f64) -> R {
+    let slope = 1.0 / (1.0 - from);
+    length.mul_add(R::splat(slope / radius), R::splat(-from * slope)).max(R::zero())
+}
+
+/// From which share of the radius on: of a sphere, and of a single row, which others may need
+/// to be right at its bound.
+const HELD: f64 = 0.5;
+const HELD_ROW: f64 = 0.9;
+
 impl<R: Real> Block<R> {
     #[inline(always)]
-    fn none() -> Self {
-        Self { share: R::splat(1.0), along: R::zero(), direction: [R::zero(); 3] }
+    fn of(rows: &mut [R], room: Room) -> Self {
+        match room {
+            Room::None => Self::Whole,
+            Room::Ball(radius) => Self::ball(rows, radius),
+            Room::Box(radii) => Self::each(rows, radii),
+        }
+    }
+
+    /// Takes its radius off each row.
+    #[inline(always)]
+    fn each(rows: &mut [R], radii: [f64; 3]) -> Self {
+        let mut shares = [R::splat(1.0); 3];
+        for ((x, radius), share) in rows.iter_mut().zip(radii).zip(&mut shares) {
+            if radius > 0.0 {
+                let length = x.abs();
+                let left = length - R::splat(radius);
+                let outside = R::zero().lt(left);
+                let sign = R::select(x.lt(R::zero()), R::splat(-1.0), R::splat(1.0));
+                *share = R::select(outside, R::splat(1.0), held(length, radius, HELD_ROW));
+                *x = R::select(outside, sign * left, R::zero());
+            }
+        }
+        Self::Box(shares)
     }
 
     /// Takes `radius` off the length of an error.
     #[inline(always)]
-    fn of(rows: &mut [R], radius: f64) -> Self {
+    fn ball(rows: &mut [R], radius: f64) -> Self {
         let mut squared = R::splat(1e-300);
         for x in rows.iter() {
             squared = x.mul_add(*x, squared);
@@ -47,22 +90,30 @@ impl<R: Real> Block<R> {
         }
         // Nothing across from two radii on.
         let share = (left + left - R::splat(1.0)).max(R::zero());
-        // Inside the error may grow as far as the sphere, and no farther: from half a radius on
-        // it is held more and more, or a step for the other rows would lead far out again.
-        let inside = (squared.sqrt() * R::splat(2.0 / radius) - R::splat(1.0)).max(R::zero());
-        let along = R::select(outside, R::splat(1.0) - share, inside);
-        Self { share, along, direction }
+        let held = held(squared.sqrt(), radius, HELD);
+        let along = R::select(outside, R::splat(1.0) - share, held);
+        Self::Ball { share, along, direction }
     }
 
     #[inline(always)]
     fn change(&self, column: &mut [R]) {
-        let mut along = R::zero();
-        for (d, x) in self.direction.iter().zip(column.iter()) {
-            along = d.mul_add(*x, along);
-        }
-        let along = along * self.along;
-        for (d, x) in self.direction.iter().zip(column) {
-            *x = d.mul_add(along, *x * self.share);
+        match self {
+            Self::Whole => {}
+            Self::Ball { share, along, direction } => {
+                let mut sum = R::zero();
+                for (d, x) in direction.iter().zip(column.iter()) {
+                    sum = d.mul_add(*x, sum);
+                }
+                let sum = sum * *along;
+                for (d, x) in direction.iter().zip(column) {
+                    *x = d.mul_add(sum, *x * *share);
+                }
+            }
+            Self::Box(shares) => {
+                for (share, x) in shares.iter().zip(column) {
+                    *x *= *share;
+                }
+            }
         }
     }
 }
@@ -71,21 +122,14 @@ impl<R: Real> Relaxed<R> {
     /// Nothing changes.
     #[inline(always)]
     pub fn none() -> Self {
-        Self([Block::none(); 2])
+        Self([Block::Whole; 2])
     }
 
     /// Leaves of an error what is outside the tolerances.
     #[inline(always)]
     pub fn of<const M: usize>(rows: &mut [R; M], slack: Slack) -> Self {
         let (place, turn) = rows.split_at_mut(3);
-        let mut relaxed = Self::none();
-        if slack.position > 0.0 {
-            relaxed.0[0] = Block::of(place, slack.position);
-        }
-        if slack.orientation > 0.0 {
-            relaxed.0[1] = Block::of(turn, slack.orientation);
-        }
-        relaxed
+        Self([Block::of(place, slack.position), Block::of(turn, slack.orientation)])
     }
 
     /// Changes the columns of the Jacobian alike.

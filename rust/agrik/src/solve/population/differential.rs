@@ -57,6 +57,8 @@ pub struct Differential {
     pub adaptation: Adaptation,
     /// Weight F of the differences.
     pub weight: f64,
+    /// How much above it the weight may be, drawn evenly for each generation.
+    pub dither: f64,
     /// Range that the crossover rate is drawn from, evenly; a rate above 1 counts as 1.
     pub crossover: (f64, f64),
     /// How often the crossover rate is drawn anew.
@@ -129,6 +131,11 @@ impl Differential {
             };
             let Run { evaluator, population, stream, progress, .. } = &mut run;
             population.spread(best, &mut scratch.best);
+            let weight = if self.dither > 0.0 {
+                R::splat(self.weight + self.dither * stream.uniform())
+            } else {
+                weight
+            };
             let shared = match self.redraw {
                 Redraw::Gene | Redraw::Individual => mean,
                 Redraw::Generation => R::splat(self.draw_rate(stream)),

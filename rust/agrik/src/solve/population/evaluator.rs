@@ -237,11 +237,6 @@ impl<'a, R: Real, F: Fitness<R>> Evaluator<'a, R, F> {
         Self { chain, fitness, workspace: Workspace::new(chain) }
     }
 
-    /// The fitness.
-    pub fn fitness_mut(&mut self) -> &mut F {
-        &mut self.fitness
-    }
-
     /// Costs of all individuals.
     #[inline(always)]
     pub fn evaluate(&mut self, population: &mut Population<R>) {

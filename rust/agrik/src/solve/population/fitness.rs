@@ -2,10 +2,11 @@
 //! for the way from the start values.
 
 use super::evaluator::Fitness;
+use crate::call::Measure;
 use crate::chain::Tail;
 use crate::kinematics::Workspace;
 use crate::lanes::{CHORD2, Real, V3, angle_over_sine, dot, hypotenuse, squared_angles};
-use crate::task::{AxisRows, Goal, MaskedRows, PoseRows, PositionRows, Rows, Task};
+use crate::task::{Goal, Rows};
 
 /// How the distance of two orientations is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -25,7 +26,7 @@ const GIMBAL: f64 = 1e-9;
 /// Cost of a task: `position_weight |dp| + orientation_weight |do| + start_weight |q - q0|`.
 #[derive(Debug, Clone)]
 pub(super) struct TaskFitness<'a, R> {
-    pub task: Task,
+    pub measure: Measure,
     pub orientation: Orientation,
     pub position_weight: f64,
     pub orientation_weight: f64,
@@ -148,28 +149,24 @@ impl<R: Real> Fitness<R> for TaskFitness<'_, R> {
     fn cost(&self, q: &[R], at: &Workspace<R>) -> R {
         let tool = at.tool_point(self.tail.translation);
         let goal = &self.goal;
-        let error = match (self.task, self.orientation) {
-            (Task::Position, _) => {
-                let e = PositionRows.error(at, tool, goal);
-                self.weighted(e.position2, R::zero())
+        let error = match (&self.measure, self.orientation) {
+            (Measure::Position(rows), _) => {
+                self.weighted(rows.error(at, tool, goal).position2, R::zero())
             }
-            (Task::Pose, Orientation::EulerZyz) => {
+            (Measure::Pose(_), Orientation::EulerZyz) => {
                 let p = crate::lanes::sub(goal.position, tool);
                 self.weighted(dot(p, p), self.euler2(at))
             }
-            (Task::Pose, Orientation::RotationVector) => {
-                let e = PoseRows { scale: 1.0, onward: None }.error(at, tool, goal);
+            (Measure::Pose(rows), Orientation::RotationVector) => {
+                let e = rows.error(at, tool, goal);
                 self.weighted(e.position2, e.orientation2)
             }
-            (Task::Axis { tool_axis }, _) => {
-                let axis = self.tail.direction(tool_axis);
-                let e = AxisRows { scale: 1.0, axis }.error(at, tool, goal);
+            (Measure::Axis(rows), _) => {
+                let e = rows.error(at, tool, goal);
                 self.weighted(e.position2, e.orientation2)
             }
-            (Task::Masked { weights, frame }, _) => {
-                let tool_axes = self.tail.rotation;
-                let e = MaskedRows { scale: 1.0, weights, frame, tool: tool_axes }
-                    .error(at, tool, goal);
+            (Measure::Framed(rows), _) => {
+                let e = rows.error(at, tool, goal);
                 self.weighted(e.position2, e.orientation2)
             }
         };

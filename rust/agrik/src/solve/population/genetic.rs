@@ -22,6 +22,9 @@ pub struct Genetic {
     pub mutation_rate: f64,
     /// Standard deviation of a mutation, relative to the gene's range.
     pub mutation_width: f64,
+    /// Share of that width which is left at the last generation; it shrinks by the same factor
+    /// from each to the next.
+    pub mutation_end: f64,
     /// Best individuals that live on as they are.
     pub elites: u32,
     /// What becomes of genes out of range.
@@ -55,7 +58,8 @@ impl Genetic {
             if let Err(end) = run.best() {
                 return end;
             }
-            if !self.breed(&mut run, &mut children, &mut order) {
+            let width = self.mutation_width * self.mutation_end.powf(run.progress.share());
+            if !self.breed(&mut run, width, &mut children, &mut order) {
                 return End::Interrupted;
             }
             run.evaluator.evaluate(&mut children);
@@ -68,6 +72,7 @@ impl Genetic {
     fn breed<R: Real, F>(
         &self,
         run: &mut Run<'_, '_, R, F>,
+        width: f64,
         children: &mut Population<R>,
         order: &mut Vec<usize>,
     ) -> bool {
@@ -100,7 +105,7 @@ impl Genetic {
                 }
                 for (x, gene) in child.iter_mut().zip(*genes) {
                     if stream.uniform() < self.mutation_rate {
-                        *x += self.mutation_width * (gene.upper - gene.lower) * stream.normal();
+                        *x += width * (gene.upper - gene.lower) * stream.normal();
                     }
                     *x = self.boundary.apply(*x, &gene.range(), stream);
                 }

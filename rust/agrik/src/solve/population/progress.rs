@@ -58,6 +58,11 @@ impl Progress {
         (self.generations >= self.last).then_some(End::Generations)
     }
 
+    /// Generations made, as a share of all.
+    pub fn share(&self) -> f64 {
+        f64::from(self.generations) / f64::from(self.last.max(1))
+    }
+
     /// Generations since the best cost last fell by more than a trifle.
     pub fn standing_still(&self) -> u32 {
         self.since

@@ -5,13 +5,13 @@ use super::fitness::{EulerGoal, TaskFitness};
 use super::progress::{End, Progress};
 use super::settings::Settings;
 use crate::allowed::LARGEST;
-use crate::call::{Answers, AnswersMut, Outcome, Request, Solve, Status};
+use crate::call::{Answers, AnswersMut, Outcome, Prefer, Request, Solve, Status, Verdict};
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, forward};
 use crate::lanes::{Kernel, Level, Real, dispatch};
 use crate::random::Stream;
 use crate::solve::limit::limits;
-use crate::solve::plan::{INSIDE, Plan};
+use crate::solve::plan::Plan;
 use crate::solve::step;
 use crate::task::Goal;
 
@@ -39,7 +39,7 @@ pub struct Evolution<'a> {
 impl<'a> Evolution<'a> {
     /// A checked search.
     pub fn new(request: Request<'a>, settings: Settings) -> Result<Self> {
-        settings.check_for(&request.task())?;
+        settings.check_for(request.aim())?;
         let plan = Plan::new(request, POLISH)?;
         let setup = plan.setup();
         let orientation_weight =
@@ -84,7 +84,7 @@ impl<'a> Evolution<'a> {
         let weight = self.settings.start_weight;
         let setup = plan.setup();
         TaskFitness {
-            task: setup.aim.task(),
+            measure: setup.aim.measure(1.0),
             orientation: self.settings.orientation,
             position_weight: self.settings.position_weight,
             orientation_weight: self.orientation_weight,
@@ -159,8 +159,17 @@ struct Found {
     /// What postures are compared by: reached ones first, then by this, m^2.
     squared: f64,
     reached: bool,
+    /// What the call's guard, if there is one, finds it.
+    verdict: Option<Verdict>,
     position_error: f64,
     orientation_error: f64,
+}
+
+impl Found {
+    /// It reaches the target, and nothing speaks against it.
+    fn is_answer(&self) -> bool {
+        self.reached && self.verdict.is_none_or(|verdict| verdict.accepted)
+    }
 }
 
 /// Buffers of one thread.
@@ -193,6 +202,7 @@ impl<'e, R: Real> Search<'e, R> {
                 q: vec![0.0; dof],
                 squared: f64::INFINITY,
                 reached: false,
+                verdict: None,
                 position_error: f64::INFINITY,
                 orientation_error: f64::INFINITY,
             },
@@ -213,12 +223,13 @@ impl<'e, R: Real> Search<'e, R> {
         }
         let unreachable = plan.proven_unreachable(&goal);
         outcome.status = if unreachable { Status::OutOfReach } else { Status::NotFound };
-        if settings.polish && start.is_some() {
+        let first = plan.setup().aim.puts_position_first();
+        if settings.polish && start.is_some() && !first {
             // What is near the start values needs no search.
             self.take_start(start);
             self.polish(row, &goal, 1);
         }
-        while !self.found.reached {
+        while !self.found.is_answer() {
             let mut progress = settings.progress();
             progress.trace = self.trace.take();
             let end = self.evolve(row, outcome.restarts, &goal, &mut progress, keep_going);
@@ -235,16 +246,17 @@ impl<'e, R: Real> Search<'e, R> {
             let best = self.order[0];
             self.population.read(best, &mut self.q);
             self.consider(&goal, start);
-            if settings.polish && !self.found.reached {
+            if settings.polish && (first || !self.found.is_answer()) {
                 self.polish(row, &goal, POLISHED);
             }
-            if self.found.reached || unreachable || outcome.restarts == settings.max_restarts {
+            if self.found.is_answer() || unreachable || outcome.restarts == settings.max_restarts {
                 break;
             }
             outcome.restarts += 1;
         }
         if self.found.reached {
-            outcome.status = Status::Converged;
+            let accepted = self.found.is_answer();
+            outcome.status = if accepted { Status::Converged } else { Status::InCollision };
         }
         outcome.position_error = self.found.position_error;
         outcome.orientation_error = self.found.orientation_error;
@@ -259,6 +271,7 @@ impl<'e, R: Real> Search<'e, R> {
         }
         self.found.squared = f64::INFINITY;
         self.found.reached = false;
+        self.found.verdict = None;
         self.found.position_error = f64::INFINITY;
         self.found.orientation_error = f64::INFINITY;
     }
@@ -333,7 +346,9 @@ impl<'e, R: Real> Search<'e, R> {
             self.q.copy_from_slice(q);
             self.consider(goal, start);
             // Without start values to stay near, the first that reaches is as good as any.
-            if self.found.reached && start.is_none() {
+            let any = plan.request.guard().is_none_or(|guard| guard.prefer == Prefer::First);
+            let first = plan.setup().aim.puts_position_first();
+            if self.found.is_answer() && start.is_none() && any && !first {
                 break;
             }
         }
@@ -348,26 +363,34 @@ impl<'e, R: Real> Search<'e, R> {
             self.q[i] = v.wound(self.q[i], about);
         }
         forward(plan.request.chain().compiled(), &self.q, &mut self.workspace);
-        let (position2, orientation2) = plan.request.errors(&self.workspace, goal);
+        let left = plan.request.left(&self.workspace, goal);
         let setup = plan.setup();
-        let tolerance = setup.aim.tolerance();
-        let reached = position2 <= (tolerance.position * INSIDE).powi(2)
-            && orientation2 <= (tolerance.orientation * INSIDE).powi(2);
+        let reached = setup.aim.is_met(&left);
+        let (position2, orientation2) = (left.position2, left.orientation2);
         let squared = match start {
+            _ if reached && setup.aim.puts_position_first() => orientation2,
             Some(start) if reached => {
                 self.q.iter().zip(start).map(|(x, s)| (x - s) * (x - s)).sum()
             }
             _ => position2 + setup.rotation_scale * setup.rotation_scale * orientation2,
         };
+        let guard = plan.request.guard().filter(|_| reached);
+        let verdict = guard.map(|guard| {
+            let variables = plan.request.chain().variables();
+            let about = |i: usize| start.map_or(variables[i].middle(), |start| start[i]);
+            guard.verdict(&self.q, squared, about)
+        });
         let better = match (reached, self.found.reached) {
             (true, false) => true,
             (false, true) => false,
+            (true, true) if verdict.is_some() => verdict > self.found.verdict,
             _ => squared < self.found.squared,
         };
         if better && squared.is_finite() {
             self.found.q.copy_from_slice(&self.q);
             self.found.squared = squared;
             self.found.reached = reached;
+            self.found.verdict = verdict;
             self.found.position_error = position2.sqrt();
             self.found.orientation_error = orientation2.sqrt();
         }

@@ -7,10 +7,10 @@ use super::genetic::Genetic;
 use super::progress::{End, Progress};
 use super::run::Run;
 use super::{Boundary, Mutation, Redraw, lshade};
+use crate::call::{Aim, Measure};
 use crate::error::{Error, Result};
 use crate::lanes::Real;
 use crate::random::Stream;
-use crate::task::Task;
 use crate::{Allowed, Field};
 
 /// Individuals that a search can hold.
@@ -71,6 +71,7 @@ impl Settings {
             mutation: Mutation::Best1,
             adaptation: Adaptation::None,
             weight: 0.5,
+            dither: 0.0,
             crossover: (0.375, 1.125),
             redraw: Redraw::Individual,
             boundary: Boundary::Redraw,
@@ -96,6 +97,7 @@ impl Settings {
             mutation: Mutation::Best1,
             adaptation: Adaptation::None,
             weight: 0.5,
+            dither: 0.0,
             crossover: (0.375, 1.125),
             redraw: Redraw::Gene,
             boundary: Boundary::Median,
@@ -120,6 +122,7 @@ impl Settings {
             crossover_index: 5.0,
             mutation_rate: 0.2,
             mutation_width: 0.1,
+            mutation_end: 1.0,
             elites: 2,
             boundary: Boundary::Clamp,
         }),
@@ -163,9 +166,9 @@ impl Settings {
     }
 
     /// [`Settings::check`], and that the task has what the fitness measures.
-    pub fn check_for(&self, task: &Task) -> Result<()> {
+    pub fn check_for(&self, aim: &Aim) -> Result<()> {
         self.check()?;
-        let has_angles = matches!(task, Task::Pose | Task::Position);
+        let has_angles = matches!(aim.measure(1.0), Measure::Pose(_) | Measure::Position(_));
         if self.orientation == Orientation::EulerZyz && !has_angles {
             return Err(Error::argument(
                 "orientation",

@@ -5,10 +5,11 @@ use nalgebra::{DMatrix, Dyn, Matrix3, SVD};
 
 use super::{Settings, Step};
 use crate::allowed::check_measures;
+use crate::call::{Aim, Measure};
 use crate::chain::{Chain, JointKind, Tail};
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, columns, forward};
-use crate::task::{MaskFrame, Task};
+use crate::task::{FramedRows, MaskFrame, PoseRows, PositionRows};
 
 /// Singular values of a frozen Jacobian below this share of the largest are left out.
 const FROZEN_CUTOFF: f64 = 1e-2;
@@ -176,19 +177,20 @@ impl Feedback {
     pub fn new(
         settings: &Settings,
         chain: &Chain,
-        task: &Task,
-        tail: &Tail,
+        aim: &Aim,
         rotation_scale: f64,
     ) -> Result<Option<Self>> {
-        let around = Around { chain, task, tail, rotation_scale };
-        Ok(Some(match &settings.step {
-            Step::CyclicCoordinateDescent if *task != Task::Position => {
-                let expected = "a position task, or another solver";
-                return Err(Error::argument("solver", expected, "ccd with orientations"));
+        let (measure, tail) = (aim.measure(rotation_scale), aim.tail());
+        let around = Around { chain, measure, tail, rotation_scale };
+        Ok(Some(match (&settings.step, measure) {
+            (Step::CyclicCoordinateDescent, Measure::Position(_)) => Self::Descent,
+            (Step::CyclicCoordinateDescent, _) => {
+                let expected = "a position task with one tolerance, or another solver";
+                let got = "ccd with orientations or single axes";
+                return Err(Error::argument("solver", expected, got));
             }
-            Step::CyclicCoordinateDescent => Self::Descent,
-            Step::IkPid(pid) => Self::Pid(*pid),
-            Step::StateSpace(None) => {
+            (Step::IkPid(pid), _) => Self::Pid(*pid),
+            (Step::StateSpace(None), _) => {
                 // What comes a step late swings already at half the gain.
                 let gain = around.frozen()? * 0.5;
                 let n = gain.nrows();
@@ -198,7 +200,7 @@ impl Feedback {
                     c: Sparse::of(&DMatrix::identity(n, n)),
                 }
             }
-            Step::StateSpace(Some(gains)) => {
+            (Step::StateSpace(Some(gains)), _) => {
                 let states = gains.a.columns;
                 gains.a.check("A", states, states)?;
                 gains.b.check("B", states, around.rows()?)?;
@@ -214,10 +216,10 @@ impl Feedback {
                     c: Sparse::of(&c),
                 }
             }
-            Step::StaticGain(gain) => {
+            (Step::StaticGain(gain), _) => {
                 Self::Static { gain: Sparse::of(&around.gain(gain.as_deref())?) }
             }
-            Step::Broyden { gain, patience } => Self::Broyden {
+            (Step::Broyden { gain, patience }, _) => Self::Broyden {
                 gain: Matrix::of(&around.gain(gain.as_deref())?).values,
                 patience: f64::from(*patience),
             },
@@ -229,7 +231,7 @@ impl Feedback {
 /// What gains are applied to.
 struct Around<'a> {
     chain: &'a Chain,
-    task: &'a Task,
+    measure: Measure,
     tail: &'a Tail,
     rotation_scale: f64,
 }
@@ -237,9 +239,10 @@ struct Around<'a> {
 impl Around<'_> {
     /// Rows of an error that a matrix can stand on: along and about the world's axes.
     fn rows(&self) -> Result<usize> {
-        match self.task {
-            Task::Position => Ok(3),
-            Task::Pose | Task::Masked { frame: MaskFrame::Base, .. } => Ok(6),
+        match self.measure {
+            Measure::Position(_) => Ok(3),
+            Measure::Pose(_)
+            | Measure::Framed(FramedRows { frame: MaskFrame::Base, axis: None, .. }) => Ok(6),
             _ => Err(Error::argument(
                 "solver",
                 "a position, pose or base-frame mask task, since gains stand on fixed axes",
@@ -339,7 +342,7 @@ impl Around<'_> {
                 }
             }
         });
-        if let Task::Masked { weights, .. } = self.task {
+        if let Measure::Framed(FramedRows { weights, .. }) = self.measure {
             for (k, weight) in weights.iter().enumerate() {
                 jacobian.row_mut(k).scale_mut(*weight);
             }
@@ -367,9 +370,12 @@ fn decomposed(jacobian: DMatrix<f64>, vectors: bool) -> Result<SVD<f64, Dyn, Dyn
 /// more columns for the orientation, of which a radian counts as so many metres.
 pub fn frozen_gain(chain: &Chain, per_radian: Option<f64>) -> Result<Matrix> {
     let tail = &chain.compiled().tail;
-    let task = if per_radian.is_some() { Task::Pose } else { Task::Position };
     let rotation_scale = per_radian.unwrap_or(1.0);
-    let around = Around { chain, task: &task, tail, rotation_scale };
+    let measure = match per_radian {
+        Some(scale) => Measure::Pose(PoseRows { scale, onward: None }),
+        None => Measure::Position(PositionRows),
+    };
+    let around = Around { chain, measure, tail, rotation_scale };
     let mut gain = around.frozen()?;
     for block in 0..gain.ncols() / 3 {
         let turned = gain.columns(3 * block, 3) * chain.base().rotation.matrix();

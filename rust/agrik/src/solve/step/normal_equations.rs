@@ -7,13 +7,19 @@ use crate::solve::linear::solve_spd;
 /// Below this share of `trace^M` the determinant of `J J^T` counts as zero.
 const SINGULAR: f64 = 1e-14;
 
-/// `J^T (J J^T)^-1 e`; no change where `J J^T` is singular.
+/// A row below this share of the trace is one that does not count.
+const FREE: f64 = 1e-28;
+
+/// `J^T (J J^T)^-1 e`; no change where `J J^T` of the rows that count is singular.
 #[inline(always)]
 pub(super) fn step<R: Real, const M: usize>(columns: &[[R; M]], error: &[R; M], change: &mut [R]) {
     let mut a = gram(columns);
     let mut trace = a[0][0];
     for (i, row) in a.iter().enumerate().skip(1) {
         trace += row[i];
+    }
+    for (i, row) in a.iter_mut().enumerate() {
+        row[i] = R::select(row[i].le(trace * R::splat(FREE)), trace, row[i]);
     }
     // The product of the pivots of an elimination, as a share of the trace.
     let mut reduced = a;

@@ -1,0 +1,5 @@
+"""``python -m agrik_fast`` is ``agrik-fast``."""
+
+from .cli import main
+
+main()

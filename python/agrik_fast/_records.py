@@ -1,0 +1,206 @@
+"""What the records of answers can do beside holding arrays: rows, tables, pickles.
+
+The compiled classes hand their methods on to here, with themselves as the first argument. A
+record's fields are arrays whose first dimensions are those of the targets.
+"""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from . import _native
+from .errors import MissingExtraError
+
+if TYPE_CHECKING:
+    from ._native import Branches, IkResult
+
+    Record: TypeAlias = IkResult | Branches
+
+__all__ = [
+    "html_table",
+    "iterate",
+    "length",
+    "made",
+    "reduce",
+    "rows",
+    "take",
+    "text",
+    "to_arrow",
+    "to_dict",
+    "to_pandas",
+    "truth",
+]
+
+_FIELDS = {
+    "IkResult": (
+        "q",
+        "status",
+        "success",
+        "position_error",
+        "orientation_error",
+        "iterations",
+        "restarts",
+        "warnings",
+        "clearance",
+        "nearest_pair",
+    ),
+    "Branches": (
+        "q",
+        "valid",
+        "reached",
+        "singular",
+        "status",
+        "warnings",
+        "free_joint",
+        "value",
+        "branch",
+        "orientation_error",
+    ),
+}
+# Rows of a table in a notebook.
+_SHOWN = 10
+_UNITS = {"position_error": "position error (m)", "orientation_error": "orientation error (rad)"}
+
+
+def to_dict(record: Record) -> dict[str, Any]:
+    """Return the record's arrays by their names."""
+    found = {name: getattr(record, name) for name in _FIELDS[type(record).__name__]}
+    return {name: array for name, array in found.items() if array is not None}
+
+
+def reduce(record: Record) -> tuple[Any, ...]:
+    """Return how to make the record again."""
+    return made, (type(record).__name__, to_dict(record))
+
+
+def made(kind: str, fields: dict[str, Any]) -> Record:
+    """Return the record of a kind that holds some arrays; what pickles call."""
+    arrays = {name: np.asarray(value) for name, value in fields.items()}
+    if kind == "Branches":
+        return _native.branches(**arrays)
+    arrays.pop("success", None)  # the statuses say it
+    return _native.ik_result(**arrays)
+
+
+def rows(record: Record) -> tuple[int, ...]:
+    """Return the targets' shape."""
+    return record.status.shape
+
+
+def length(record: Record) -> int:
+    """Return how many rows the record has along its first dimension."""
+    shape = rows(record)
+    if not shape:
+        raise TypeError("the answer to a single target has no length")
+    return shape[0]
+
+
+def take(record: Record, key: Any) -> Record:
+    """Return the record of some of the targets, chosen as in a NumPy array of them."""
+    shape = rows(record)
+    if not shape:
+        raise TypeError("the answer to a single target has no rows")
+    # Places say what a key picks, whatever it is made of.
+    places = np.arange(np.prod(shape, dtype=int)).reshape(shape)[key]
+    picked = {}
+    for name, array in to_dict(record).items():
+        flat = array.reshape(-1, *array.shape[len(shape) :])
+        picked[name] = flat[places]
+    return made(type(record).__name__, picked)
+
+
+def iterate(record: Record) -> Iterator[Record]:
+    """Go through the rows along the first dimension."""
+    return (take(record, row) for row in range(length(record)))
+
+
+def truth(record: IkResult) -> bool:
+    """Return whether a single target was reached."""
+    if record.success.size != 1:
+        raise ValueError(
+            f"the truth value of answers to {record.success.size} targets is ambiguous: use "
+            "result.success.all() or result.success.any()"
+        )
+    return bool(record.success.reshape(-1)[0])
+
+
+def _columns(record: Record) -> dict[str, Any]:
+    """Return one column a number, one row a target (of branches: a branch)."""
+    from .result import Status
+
+    names = [status.name.lower() for status in Status]
+    columns: dict[str, Any] = {}
+    leading = record.q.shape[:-1]
+    if len(leading) > 1 or type(record).__name__ == "Branches":
+        for axis, index in enumerate(np.indices(leading)):
+            last = axis == len(leading) - 1 and type(record).__name__ == "Branches"
+            name = "branch" if last else "target" if len(leading) <= 2 else f"target_{axis}"
+            columns[name] = index.reshape(-1)
+    for name, array in to_dict(record).items():
+        if name in ("q", "nearest_pair"):
+            flat = array.reshape(-1, array.shape[-1])
+            heads = ("body", "object") if name == "nearest_pair" else None
+            columns |= {heads[k] if heads else f"q_{k}": flat[:, k] for k in range(flat.shape[1])}
+            continue
+        wide = np.broadcast_to(
+            array.reshape(array.shape + (1,) * (len(leading) - array.ndim)), leading
+        )
+        flat = wide.reshape(-1)
+        columns[name] = [names[code] for code in flat.tolist()] if name == "status" else flat
+    return columns
+
+
+def to_arrow(record: Record) -> Any:
+    """Return the record as a `pyarrow.Table`."""
+    try:
+        import pyarrow
+    except ImportError:
+        raise MissingExtraError("to_arrow", "parquet") from None
+    columns = _columns(record)
+    status = columns.get("status")
+    if status is not None:
+        columns["status"] = pyarrow.array(status).dictionary_encode()
+    return pyarrow.table(columns)
+
+
+def to_pandas(record: Record) -> Any:
+    """Return the record as a `pandas.DataFrame`."""
+    try:
+        import pandas
+    except ImportError:
+        raise MissingExtraError("to_pandas", "pandas") from None
+    return pandas.DataFrame(_columns(record))
+
+
+def text(record: IkResult, head: str) -> str:
+    """Return what a record says of itself: a head, and of a single target its numbers."""
+    if rows(record):
+        return f"IkResult({head})"
+    with np.printoptions(precision=6, suppress=True, linewidth=200, threshold=12):
+        q = np.array2string(record.q, separator=", ")
+    errors = f"position_error={float(record.position_error):.3g}"
+    if record.orientation_error:
+        errors += f", orientation_error={float(record.orientation_error):.3g}"
+    return f"IkResult({head}, q={q}, {errors})"
+
+
+def html_table(record: Record) -> str:
+    """Return the first rows as a table for notebooks."""
+    columns = _columns(record)
+    count = len(next(iter(columns.values())))
+    head = "".join(f"<th>{html.escape(_UNITS.get(name, name))}</th>" for name in columns)
+    body = "".join(
+        "<tr>" + "".join(f"<td>{_cell(values[row])}</td>" for values in columns.values()) + "</tr>"
+        for row in range(min(count, _SHOWN))
+    )
+    more = f"<caption>{html.escape(repr(record))}</caption>"
+    left = f"<tr><td>and {count - _SHOWN} more</td></tr>" if count > _SHOWN else ""
+    return f"<table>{more}<thead><tr>{head}</tr></thead><tbody>{body}{left}</tbody></table>"
+
+
+def _cell(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else html.escape(str(value))

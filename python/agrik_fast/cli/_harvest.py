@@ -1,0 +1,76 @@
+"""``agrik-fast harvest``: every fruit of a scene, decided and written to a folder."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+from .. import harvest
+from ..collision import Scene
+from ..errors import ArgumentError
+from ..harvest import Evaluation
+from ..robot import Robot
+
+
+def evaluate(
+    scene: Path,
+    robot: str,
+    distance: str,
+    *,
+    refine: bool,
+    recovery: bool,
+    blockers: bool,
+    tilt_deg: float,
+    shift: float,
+    min_distance: float,
+    threads: int | None,
+    progress: Callable[[int, int], object],
+) -> Evaluation:
+    """Decide for every target of a scene file.
+
+    Raises
+    ------
+    AgrikError
+        A faulty file or robot, a scene without fruit, an option out of its range.
+    """
+    settings = harvest.Settings(
+        refine=refine,
+        recovery=recovery,
+        tilt=math.radians(tilt_deg),
+        shift=shift,
+        min_distance=min_distance,
+    )
+    return harvest.evaluate(
+        Scene.load(scene),
+        Robot.load(robot),
+        settings=settings,
+        distance=distance,  # type: ignore[arg-type]
+        blockers=blockers,
+        threads=threads,
+        progress=progress,
+    )
+
+
+def check_folder(directory: Path, *, force: bool) -> None:
+    """Refuse a folder that holds files, unless `force`."""
+    if directory.exists() and not directory.is_dir():
+        raise ArgumentError("output", f"the file {directory}", "a folder")
+    if directory.is_dir() and any(directory.iterdir()) and not force:
+        raise ArgumentError(
+            "output", f"{directory}, which holds files", "an empty or new folder (or --force)"
+        )
+
+
+def lines(found: Evaluation) -> list[str]:
+    """Return what is said of an evaluation at its end."""
+    shares = found.shares()
+    said = [
+        f"{len(found.decisions)} fruits in {found.seconds:.3g} s: "
+        + ", ".join(f"{name} {100 * shares[name]:.1f} %" for name in ("ok", "blocked", "none"))
+    ]
+    said += [f"  {name}: {100 * share:.1f} %" for name, share in found.decisions.shares().items()]
+    worst = found.leaves()[:5]
+    if worst:
+        said.append("in the way: " + ", ".join(f"{name} ({count})" for name, count in worst))
+    return said

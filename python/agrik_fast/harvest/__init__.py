@@ -1,0 +1,31 @@
+"""Harvest postures: whether an arm can pick a fruit among leaves, and how."""
+
+from ._decisions import Attempt, Decision, Decisions, Stage, Status
+from ._evaluate import Evaluation, evaluate
+from ._plan import Blockers, blockers, plan
+from ._programme import Programme, Runs, Terms, Weights
+from ._report import summary, write_report
+from ._scenes import SCENES, example_scene
+from ._settings import Settings
+
+__all__ = [
+    "SCENES",
+    "Attempt",
+    "Blockers",
+    "Decision",
+    "Decisions",
+    "Evaluation",
+    "Programme",
+    "Runs",
+    "Settings",
+    "Stage",
+    "Status",
+    "Terms",
+    "Weights",
+    "blockers",
+    "evaluate",
+    "example_scene",
+    "plan",
+    "summary",
+    "write_report",
+]

@@ -1,0 +1,233 @@
+"""Targets and results as Arrow tables, whatever file or store they are in."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._files import Refusal, listing, reading
+from ._columns import ColumnError, match_columns
+from ._ids import check_text, checked
+from ._parquet import import_pyarrow
+from ._reader import CHUNK_BYTES, DEFAULT_CHUNK
+from ._records import (
+    METADATA_PREFIX,
+    SCENE_COLUMNS,
+    STATUS_NAMES,
+    ResultChunk,
+    ResultLayout,
+    TargetChunk,
+    scene_columns,
+)
+
+# Whole numbers up to here are float64 numbers too.
+_EXACT = 2**53
+
+
+class TargetTable:
+    """Which columns of an Arrow schema hold targets, and how a batch of them reads.
+
+    Parameters
+    ----------
+    schema : pyarrow.Schema
+    refuse : callable
+        Makes the error of the table's place from what is wrong.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Columns in use.
+    is_pose, has_text_ids : bool
+        As of `TargetReader`.
+    ignored : tuple of str
+
+    Raises
+    ------
+    AgrikError
+        By `refuse`: the columns do not describe targets.
+    """
+
+    def __init__(self, schema: Any, refuse: Refusal) -> None:
+        self._refuse = refuse
+        self._pyarrow = import_pyarrow(refuse)
+        kinds = dict(zip(schema.names, schema.types, strict=True))
+        try:
+            self._columns = match_columns(schema.names)
+        except ColumnError as error:
+            raise refuse(str(error)) from error
+        self.numeric = self._columns.numeric
+        check_number_columns(schema, self.numeric, refuse)
+        self.is_pose = self._columns.orientation is not None
+        self.ignored = self._columns.ignored
+        self.has_ids = self._columns.row_id is not None
+        self.names = (*self.numeric, *(["id"] if self.has_ids else []))
+        self.has_text_ids = False
+        if self.has_ids:
+            types, kind = self._pyarrow.types, kinds["id"]
+            if types.is_dictionary(kind):
+                kind = kind.value_type
+            self.has_text_ids = bool(types.is_string(kind) or types.is_large_string(kind))
+            if not (self.has_text_ids or types.is_integer(kind)):
+                raise refuse(f"column 'id' holds {kind}, expected integers or text")
+
+    def chunk(self, first: int, batch: Any) -> TargetChunk:
+        """Return a record batch as targets; `first` is the index of its first row."""
+        values = number_columns(first, batch, self.numeric, self._refuse)
+        return TargetChunk(first, self._columns.targets(values), self._ids(first, batch))
+
+    def row_bytes(self, first: int, batch: Any) -> int:
+        """Return about how many bytes a row takes; long ids are refused."""
+        if not self.has_text_ids:
+            return 0
+        letters = 0
+        with reading(self._refuse, f"is damaged after row {first}"):
+            column = batch.column(batch.schema.get_field_index("id"))
+            # A text is looked at before a chunk's ids are made as wide as the longest.
+            texts = getattr(column, "dictionary", column)
+            longest = self._pyarrow.compute.max(self._pyarrow.compute.binary_length(texts))
+            if (longest.as_py() or 0) > CHUNK_BYTES // DEFAULT_CHUNK:
+                for k, text in enumerate(texts.to_pylist()):
+                    if text is not None:
+                        row = self._row_of(column, texts, k)
+                        check_text(text, f"row {first + row + 1}, column 'id'", self._refuse)
+                        letters = max(letters, len(text))
+        return 4 * letters
+
+    def _row_of(self, column: Any, texts: Any, k: int) -> int:
+        if texts is column:
+            return k
+        found = self._pyarrow.compute.index(column.indices, k).as_py()
+        return max(int(found), 0)
+
+    def _ids(self, first: int, batch: Any) -> NDArray[Any]:
+        if not self.has_ids:
+            return np.arange(first + 1, first + batch.num_rows + 1, dtype=np.int64)
+        column = batch.column(batch.schema.get_field_index("id"))
+        if column.null_count:
+            row = first + int(np.argmax(column.is_null().to_numpy(zero_copy_only=False))) + 1
+            raise self._refuse(f"row {row}, column 'id': is empty")
+        if self.has_text_ids:
+            return np.array(column.to_pylist(), dtype=np.str_)
+        if self._pyarrow.types.is_dictionary(column.type):
+            column = column.dictionary_decode()
+        whole = np.asarray(column.to_numpy(zero_copy_only=False))
+        return checked(whole, first, self._refuse)
+
+
+def check_number_columns(schema: Any, names: tuple[str, ...], refuse: Refusal) -> None:
+    """Refuse a schema that lacks one of these columns, or has it with other than numbers.
+
+    Parameters
+    ----------
+    schema : pyarrow.Schema
+    names : tuple of str
+    refuse : callable
+        Makes the error from what is wrong.
+    """
+    types = import_pyarrow(refuse).types
+    for name in names:
+        if name not in schema.names:
+            found = listing(schema.names) or "nothing"
+            raise refuse(f"missing column '{name}'; found {found}")
+        kind = schema.field(name).type
+        if not (types.is_floating(kind) or types.is_integer(kind)):
+            raise refuse(f"column '{name}' holds {kind}, expected numbers")
+
+
+def number_columns(
+    first: int, batch: Any, names: tuple[str, ...], refuse: Refusal
+) -> NDArray[np.float64]:
+    """Return columns of a record batch as float64, shape (n, len(names)); nulls are NaN.
+
+    Parameters
+    ----------
+    first : int
+        Index of the batch's first row, for messages.
+    batch : pyarrow.RecordBatch
+    names : tuple of str
+    refuse : callable
+        Makes the error from what is wrong.
+    """
+    pyarrow = import_pyarrow(refuse)
+    double = pyarrow.float64()
+    values = np.empty((batch.num_rows, len(names)))
+    for k, name in enumerate(names):
+        column = batch.column(batch.schema.get_field_index(name))
+        if pyarrow.types.is_integer(column.type):
+            _check_exact(first, name, column, refuse)
+        values[:, k] = column.cast(double).to_numpy(zero_copy_only=False)
+    return values
+
+
+def _check_exact(first: int, name: str, column: Any, refuse: Refusal) -> None:
+    whole = column.fill_null(0).to_numpy(zero_copy_only=False)
+    beyond = (whole > _EXACT) | (whole < -_EXACT if whole.dtype.kind == "i" else False)
+    if beyond.any():
+        at = int(np.argmax(beyond))
+        raise refuse(
+            f"row {first + at + 1}, column '{name}': expected a number that float64 "
+            f"holds, at most 2**53, got {whole[at]}"
+        )
+
+
+class ResultTable:
+    """Results as Arrow tables: the CSV's columns with types, the status as a dictionary.
+
+    Parameters
+    ----------
+    layout : ResultLayout
+    refuse : callable
+        Makes the error where pyarrow is missing.
+
+    Attributes
+    ----------
+    schema : pyarrow.Schema
+        With the layout's metadata, its keys behind a prefix.
+    """
+
+    def __init__(self, layout: ResultLayout, refuse: Refusal) -> None:
+        pyarrow = import_pyarrow(refuse)
+        self._pyarrow: Any = pyarrow
+        self._layout = layout
+        metadata = {METADATA_PREFIX + key: value for key, value in layout.metadata.items()}
+        # Few names, many rows.
+        words = pyarrow.dictionary(pyarrow.int32(), pyarrow.string())
+        scene = (pyarrow.float64(), words, words)
+        self.schema: Any = pyarrow.schema(
+            [
+                ("id", pyarrow.string() if layout.text_ids else pyarrow.int64()),
+                *((name, pyarrow.float64()) for name in layout.joint_columns),
+                ("status", pyarrow.dictionary(pyarrow.int8(), pyarrow.string())),
+                ("success", pyarrow.bool_()),
+                ("position_error_m", pyarrow.float64()),
+                ("orientation_error_rad", pyarrow.float64()),
+                ("iterations", pyarrow.int32()),
+                ("restarts", pyarrow.int32()),
+                *(zip(SCENE_COLUMNS, scene, strict=True) if layout.name_letters else ()),
+            ],
+            metadata=metadata,
+        )
+
+    def table(self, chunk: ResultChunk) -> Any:
+        """Return a chunk as a `pyarrow.Table`."""
+        array = self._pyarrow.array
+        status = self._pyarrow.DictionaryArray.from_arrays(
+            array(chunk.status.astype(np.int8)), array(list(STATUS_NAMES))
+        )
+        columns = [
+            array(chunk.ids.tolist() if self._layout.text_ids else chunk.ids),
+            *(array(np.ascontiguousarray(chunk.q[:, k])) for k in range(chunk.q.shape[1])),
+            status,
+            array(chunk.success),
+            array(chunk.position_error),
+            array(chunk.orientation_error),
+            array(chunk.iterations.astype(np.int32)),
+            array(chunk.restarts.astype(np.int32)),
+        ]
+        scene = scene_columns(self._layout, chunk)
+        if scene is not None:
+            clearance, *names = scene
+            columns += [array(clearance), *(array(n.tolist()).dictionary_encode() for n in names)]
+        return self._pyarrow.Table.from_arrays(columns, schema=self.schema)

@@ -1,0 +1,104 @@
+//! How far a joint moves a body at most: bounds of motion for what lies between postures.
+//!
+//! A core point of a body moves by no more than the sum over joints of a lever times the
+//! joint's own way. The lever of a turning joint is a bound of the distance of the core from
+//! its axis, that of a slide is 1. The radius round a core only travels with it.
+//!
+//! Levers stand in rows, one a joint value, of one entry a body.
+
+use agrik::chain::JointKind;
+use agrik_compute::lanes::{cross, dot, sub};
+use agrik_solids::Point;
+
+use super::bodies::Bodies;
+use super::placed::Placed;
+
+impl Bodies {
+    /// Levers that hold at all postures within the limits: the lengths between a joint and the
+    /// body's frame, and its farthest core point from there. m/rad or no unit; infinite
+    /// behind a slide without limits.
+    pub fn levers(&self) -> Vec<f64> {
+        let (chain, count) = (self.chain(), self.len());
+        let joints = chain.joints();
+        let mut levers = vec![0.0; chain.dof() * count];
+        for (b, body) in self.bodies().iter().enumerate() {
+            let mut length = self.extreme_points_in_frame(b).iter().map(norm).fold(0.0, f64::max);
+            if body.frame > joints.len() {
+                length += chain.tool().translation.vector.norm();
+            }
+            let mut links = chain.compiled().links[..self.moved_by(b)].iter().rev();
+            for joint in joints[..body.frame.min(joints.len())].iter().rev() {
+                length += joint.after.translation.vector.norm();
+                if joint.kind != JointKind::Fixed
+                    && let Some(link) = links.next()
+                {
+                    let lever = if link.prismatic { 1.0 } else { length };
+                    levers[link.variable * count + b] += link.multiplier.abs() * lever;
+                    if link.prismatic {
+                        let v = &chain.variables()[link.variable];
+                        let (low, high) = (v.lower * link.multiplier, v.upper * link.multiplier);
+                        length += (low + link.d).abs().max((high + link.d).abs());
+                    }
+                }
+                length += joint.origin.translation.vector.norm();
+            }
+        }
+        levers
+    }
+
+    /// Levers that hold at all postures with every joint value within `margin` (one number a
+    /// joint value, rad or m) of where the bodies are placed: much shorter ones, worked out
+    /// from the tip inwards, as what a joint further out moves is all that can take a body
+    /// away from an axis.
+    pub fn local_levers(&self, placed: &Placed, margin: &[f64]) -> Vec<f64> {
+        let (links, count) = (&self.chain().compiled().links, self.len());
+        let mut levers = vec![0.0; self.chain().dof() * count];
+        for body in 0..count {
+            let points = placed.solids()[body].core().extreme_points();
+            // How far joints further out may take the body.
+            let mut moved = 0.0;
+            for (i, link) in links[..self.moved_by(body)].iter().enumerate().rev() {
+                let lever = if link.prismatic {
+                    1.0
+                } else {
+                    let axis = placed.frame(i);
+                    let [x, y, z] = axis.rotation;
+                    let direction = [x[2], y[2], z[2]];
+                    let away = |p: &Point| norm(&cross(direction, sub(*p, axis.translation)));
+                    points.iter().map(away).fold(0.0, f64::max) + moved
+                };
+                let factor = link.multiplier.abs();
+                levers[link.variable * count + body] += factor * lever;
+                moved += factor * lever * margin[link.variable].abs();
+            }
+        }
+        levers
+    }
+
+    /// The most that core points of a body move while the joint values change by `change`.
+    pub fn motion_bound(&self, levers: &[f64], body: usize, change: &[f64]) -> f64 {
+        let count = self.len();
+        change.iter().enumerate().map(|(j, dq)| levers[j * count + body] * dq.abs()).sum()
+    }
+
+    /// The same seen from another body on the way to it, which the joints before that one do
+    /// not change: the most that two bodies come nearer to each other. A joint value that
+    /// moves several joints counts as if it were all of them.
+    pub fn pair_bound(&self, levers: &[f64], (i, j): (usize, usize), change: &[f64]) -> f64 {
+        let (near, far) = if self.moved_by(i) <= self.moved_by(j) { (i, j) } else { (j, i) };
+        let links = &self.chain().compiled().links[self.moved_by(near)..self.moved_by(far)];
+        let count = self.len();
+        let between = |variable: usize| links.iter().any(|link| link.variable == variable);
+        let moves = change.iter().enumerate().filter(|(v, _)| between(*v));
+        moves.map(|(v, dq)| levers[v * count + far] * dq.abs()).sum()
+    }
+
+    /// Extreme points of a body's core in its own frame, m.
+    fn extreme_points_in_frame(&self, body: usize) -> Vec<Point> {
+        self.bodies()[body].shape.extreme_points()
+    }
+}
+
+fn norm(v: &Point) -> f64 {
+    dot(*v, *v).sqrt()
+}

@@ -1,0 +1,24 @@
+//! An arm with solids on its frames: where they are at a posture, which of them may hit each
+//! other, and what they are near.
+//!
+//! [`Bodies`] are an arm's own; with a scene they make a [`Collider`], which answers. Poses of
+//! frames are worked out for many postures in lanes, then each posture is asked about by
+//! itself, with lanes over the things around it. Numbers that are none are refused before
+//! anything is asked.
+
+mod accept;
+mod batch;
+mod bodies;
+mod collider;
+mod levers;
+mod placed;
+mod self_pairs;
+mod shape;
+
+pub use accept::Free;
+pub use batch::{BodyDistance, Distances, OwnDistance};
+pub use bodies::Bodies;
+pub use collider::{Collider, Contact, Other, Touch};
+pub use placed::Placed;
+pub use self_pairs::{Excluded, Reason};
+pub use shape::{Body, Shape};

@@ -1,0 +1,398 @@
+//! All branches of arms of six joints that turn, and of seven with one of them locked.
+
+use super::branches::{Branches, BranchesMut};
+use super::locked::Values;
+use super::warning;
+use crate::call::{AnswersMut, Outcome, Request, Starts, Status};
+use crate::closed_form::families::every::Every;
+use crate::closed_form::families::postures::Set;
+use crate::closed_form::families::ring::Work;
+use crate::closed_form::families::six::Six;
+use crate::closed_form::geometry::limit::{Limit, SLACK};
+use crate::closed_form::geometry::rigid::Rigid;
+use crate::closed_form::geometry::screws::{EXACT, Screw, Screws, norm};
+use crate::error::{Error, Result};
+use crate::kinematics::{Workspace, forward};
+use crate::lanes::{Level, V3, cross, dot, sub};
+use crate::task::{Task, axis_goal, rotation_between};
+use crate::threads::share;
+use std::f64::consts::TAU;
+
+/// Targets that a thread takes at a time.
+const RUN: usize = 32;
+
+/// A call: the arm, and which joint is locked where.
+pub struct AnyArm<'a> {
+    pub request: Request<'a>,
+    pub every: &'a Every,
+    /// Joint along the chain and its values.
+    pub lock: Option<(usize, Values<'a>)>,
+    /// Joints that the arm lacks.
+    pub added: Option<Added>,
+}
+
+/// Targets with what was found for them.
+struct Solved {
+    goals: Vec<Rigid<f64>>,
+    near: Vec<[f64; 6]>,
+    sets: Vec<Set>,
+    bad: Vec<bool>,
+}
+
+/// An arm of fewer than six joints, with turns about the tool point added that the task does not
+/// ask for: their values are dropped.
+pub struct Added {
+    six: Six,
+    /// The tool in the last joint's frame.
+    tool: Rigid<f64>,
+    /// Joints that there are.
+    joints: usize,
+    /// What the added joints do counts as an error.
+    counts: bool,
+}
+
+impl Added {
+    /// The arm of a request: of five joints for a point and an axis, of three for a point.
+    pub fn new(request: &Request<'_>, every: &Every) -> std::result::Result<Self, String> {
+        let tail = request.tail();
+        let (point, joints) = (tail.translation, every.joints());
+        let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let (axes, turns): (_, Vec<V3<f64>>) = match (request.task(), joints) {
+            (Task::Axis { tool_axis }, 5) => {
+                let axes = axis_goal(point, tail.direction(tool_axis)).axes;
+                (axes, vec![axes[2]])
+            }
+            (Task::Pose, 5) => (unit, vec![tail.direction([0.0, 0.0, 1.0])]),
+            (Task::Position | Task::Pose, 3) => (unit, unit.to_vec()),
+            _ => return Err(format!("{joints} joints, which do not fit the task")),
+        };
+        let tool = Rigid { axes, shift: point };
+        let at = every.screws.tool;
+        let added = turns.iter().map(|w| Screw { axis: at.turn(*w), point: at.apply(point) });
+        let all = every.screws.joints.iter().copied().chain(added).collect();
+        let screws = Screws { joints: all, tool: at.after(&tool) };
+        if joints == 5 {
+            let (last, new) = (screws.joints[4], screws.joints[5]);
+            let off = norm(cross(sub(new.point, last.point), last.axis));
+            if screws.tilt(4, 5) < EXACT && off < EXACT * screws.length() {
+                return Err("its last joint turns about the tool axis itself".to_owned());
+            }
+        }
+        let counts = request.task().fixes_pose();
+        Ok(Self { six: Six::new(&screws, None)?, tool, joints, counts })
+    }
+}
+
+impl<'a> AnyArm<'a> {
+    /// The arm that stands for all values of the lock.
+    fn like(&self) -> Result<&'a Six> {
+        let why = |why: &str| {
+            let text = format!("'{}' has no branches here: {why}", self.request.chain().name());
+            Error::argument("solver", "an arm of joints that turn", text)
+        };
+        match &self.lock {
+            None if self.added.is_none() => self.every.six().map_err(why),
+            None => Err(why("it has no six joints")),
+            Some((joint, _)) => self.every.locked(*joint).map_err(why),
+        }
+    }
+
+    /// All branches, on `threads` threads.
+    pub fn solve(&self, threads: usize, poll: &mut dyn FnMut() -> bool) -> Result<Branches> {
+        let like = match &self.added {
+            Some(added) => &added.six,
+            None => self.like()?,
+        };
+        let count = like.branches();
+        let rows = self.request.len();
+        let dof = self.request.chain().dof();
+        let mut q = vec![0.0; rows * count * dof];
+        let mut branches = Branches::new(rows, count);
+        branches.warnings = vec![0; rows];
+        branches.free = vec![-1; rows];
+        if self.added.as_ref().is_some_and(|added| added.counts) {
+            branches.left = vec![f64::INFINITY; rows];
+        }
+        let level = Level::in_use();
+        let work = |mut rows: BranchesMut<'_>| self.run(level, like, &mut rows);
+        if !share(branches.as_mut_with(&mut q).split(RUN), threads, &work, poll) {
+            return Err(Error::Interrupted);
+        }
+        branches.q = q;
+        Ok(branches)
+    }
+
+    /// Joints that are free along the chain, the first ones of the six.
+    fn free(&self) -> ([usize; 6], usize) {
+        let locked = self.lock.as_ref().map_or(usize::MAX, |(joint, _)| *joint);
+        let free = std::array::from_fn(|k| if k < locked { k } else { k + 1 });
+        (free, self.added.as_ref().map_or(6, |added| added.joints))
+    }
+
+    /// The branches of a run.
+    fn run(&self, level: Level, like: &Six, rows: &mut BranchesMut<'_>) {
+        let Solved { goals, near, mut sets, bad } =
+            self.solved(level, like, rows.first, rows.len());
+        for i in 0..rows.len() {
+            if let Some(added) = &self.added {
+                self.drop_added(added, rows, i, &goals[i], &mut sets[i]);
+            }
+            self.write(rows, i, &sets[i], &near[i], bad[i]);
+            if let Some(left) = rows.left.get(i)
+                && rows.status[i] == Status::NotFound as u8
+                && left.is_finite()
+            {
+                rows.status[i] = Status::Overdetermined as u8;
+            }
+        }
+    }
+
+    /// The postures of targets `first..first + count`.
+    fn solved(&self, level: Level, like: &Six, first: usize, count: usize) -> Solved {
+        let (every, (free, joints)) = (self.every, self.free());
+        let mut work = Work::default();
+        let mut goals = Vec::with_capacity(count);
+        let mut near = Vec::with_capacity(count);
+        let mut sets = vec![Set::new(); count];
+        let mut bad = vec![false; count];
+        let unit = Rigid::<f64>::identity();
+        let given = !matches!(self.request.starts(), Starts::Free);
+        let last = every.joints() - 1;
+        for (i, bad) in bad.iter_mut().enumerate() {
+            let row = first + i;
+            let goal = self.goal(row);
+            *bad = goal.is_none();
+            let mut goal = goal.unwrap_or(unit);
+            if let Some((joint, values)) = &self.lock {
+                let value = values.row(row);
+                let screw = every.screws.joints[*joint];
+                if !value.is_finite() {
+                    *bad = true;
+                } else if *joint == 0 {
+                    goal = screw.turn(-value).after(&goal);
+                } else if *joint == last {
+                    // The tool turns with it, and its own frame with the tool.
+                    let seen = screw.moved(&every.screws.tool.inverse());
+                    goal = goal.after(&seen.turn(-value));
+                }
+            }
+            goals.push(goal);
+            let q0 = self.request.start(row).filter(|_| !*bad);
+            let mut about = [0.0; 6];
+            for (x, k) in about.iter_mut().zip(&free[..joints]) {
+                let limit = &every.limits[*k];
+                *x = q0
+                    .map_or(limit.middle, |q0| q0[every.order[*k]].clamp(limit.lower, limit.upper));
+            }
+            near.push(about);
+        }
+        match &self.lock {
+            Some((joint, values)) if *joint != 0 && *joint != last => {
+                // Neighbours with the same value are solved together.
+                let mut begin = 0;
+                while begin < count {
+                    let value = values.row(first + begin);
+                    let mut end = begin + 1;
+                    while end < count && values.row(first + end) == value {
+                        end += 1;
+                    }
+                    if value.is_finite()
+                        && let Ok(six) = Six::new(&every.screws.locked(*joint, value), Some(like))
+                    {
+                        let range = begin..end;
+                        let sets = &mut sets[range.clone()];
+                        let near = (&near[range.clone()], given);
+                        six.solve(level, &goals[range], near, sets, &mut work);
+                    }
+                    begin = end;
+                }
+            }
+            _ => like.solve(level, &goals, (&near, given), &mut sets, &mut work),
+        }
+        Solved { goals, near, sets, bad }
+    }
+
+    /// The branch within the limits that is nearest to the start values (else the middle of the
+    /// limits) as the answer to each row of a run; open where there is none.
+    pub(crate) fn answer(&self, level: Level, like: &Six, rows: &mut AnswersMut<'_>) {
+        let chain = self.request.chain();
+        let mut workspace = Workspace::<f64>::new(chain.compiled());
+        let (free, _) = self.free();
+        let mut q = vec![0.0; chain.dof()];
+        let mut begin = 0;
+        while begin < rows.len() {
+            let count = RUN.min(rows.len() - begin);
+            let found = self.solved(level, like, rows.first + begin, count);
+            for i in 0..count {
+                let row = begin + i;
+                let mut best: Option<(f64, [f64; 6])> = None;
+                for posture in found.sets[i].postures() {
+                    let mut one = *posture;
+                    let mut inside = true;
+                    for (k, x) in one.iter_mut().enumerate() {
+                        let limit = &self.every.limits[free[k]];
+                        let within;
+                        (*x, within) = representative(limit, *x, found.near[i][k]);
+                        inside &= within;
+                    }
+                    let far = apart(&one, &found.near[i]);
+                    if inside && best.is_none_or(|(known, _)| far < known) {
+                        best = Some((far, one));
+                    }
+                }
+                let goal = self.request.goal(rows.first + row);
+                let (Some((_, posture)), Some(goal)) = (best, goal) else {
+                    let status = if found.bad[i] { Status::BadInput } else { Status::NotFound };
+                    let answer = rows.finish(row, Outcome::unanswered(status));
+                    answer.copy_from_slice(&chain.near_zero());
+                    continue;
+                };
+                for (k, x) in posture.into_iter().enumerate() {
+                    q[self.every.order[free[k]]] = x;
+                }
+                forward(chain.compiled(), &q, &mut workspace);
+                let left = self.request.left(&workspace, &goal);
+                let near = self.request.aim().is_met(&left);
+                let outcome = Outcome {
+                    position_error: left.position2.sqrt(),
+                    orientation_error: left.orientation2.sqrt(),
+                    ..Outcome::unanswered(if near { Status::Converged } else { Status::NotFound })
+                };
+                rows.finish(row, outcome).copy_from_slice(&q);
+            }
+            begin += count;
+        }
+    }
+
+    /// Leaves the joints that there are; of postures that ask too much the one that asks least
+    /// comes first, and none of them is an answer.
+    fn drop_added(
+        &self,
+        added: &Added,
+        rows: &mut BranchesMut<'_>,
+        i: usize,
+        goal: &Rigid<f64>,
+        set: &mut Set,
+    ) {
+        let given = *set;
+        (set.count, set.free) = (0, set.free & ((1 << added.joints) - 1));
+        let mut least = f64::INFINITY;
+        for (q, singular) in given.postures().iter().zip(given.singular) {
+            let mut q = *q;
+            q[added.joints..].fill(0.0);
+            let at = self.every.screws.pose(&q[..added.joints]).after(&added.tool);
+            let turn = rotation_between(at.axes, goal.axes);
+            let left = dot(turn, turn).sqrt();
+            least = least.min(left);
+            if !added.counts || left <= self.request.tolerance().orientation {
+                set.add_with(&q, singular, 0);
+            }
+        }
+        if let Some(of) = rows.left.get_mut(i) {
+            *of = least;
+        }
+        set.none &= set.count == given.count;
+    }
+
+    /// Where the last joint's frame has to be; `None` for bad input.
+    fn goal(&self, row: usize) -> Option<Rigid<f64>> {
+        if let Some((_, values)) = &self.lock
+            && !values.row(row).is_finite()
+        {
+            return None;
+        }
+        let goal = self.request.goal(row)?;
+        if self.added.is_some() {
+            let pointed = self.request.task() == Task::Position;
+            let axes = if pointed { Rigid::<f64>::identity().axes } else { goal.axes };
+            return Some(Rigid { axes, shift: goal.position });
+        }
+        let pose = Rigid { axes: goal.axes, shift: [0.0; 3] };
+        let tool = pose.turn(self.request.tail().translation);
+        Some(Rigid { axes: goal.axes, shift: sub(goal.position, tool) })
+    }
+
+    /// Writes the postures of target `i` of a run.
+    fn write(&self, rows: &mut BranchesMut<'_>, i: usize, set: &Set, near: &[f64; 6], bad: bool) {
+        let (every, dof) = (self.every, self.request.chain().dof());
+        let count = rows.valid.len() / rows.status.len();
+        let (free, joints) = self.free();
+        let lock = self.lock.as_ref().map(|(joint, values)| {
+            let value = values.row(rows.first + i);
+            (every.order[*joint], if value.is_finite() { value } else { 0.0 })
+        });
+        let (mut any, mut reached) = (false, 0);
+        for b in 0..count {
+            let q = &mut rows.q[(i * count + b) * dof..][..dof];
+            if let Some((variable, value)) = lock {
+                q[variable] = value;
+            }
+            let exists = !bad && b < set.count;
+            let mut inside = exists;
+            for (k, joint) in free.into_iter().take(joints).enumerate() {
+                let limit = &every.limits[joint];
+                let x = if exists { set.q[b][k] } else { near[k] };
+                let (x, within) = representative(limit, x, near[k]);
+                q[every.order[joint]] = x;
+                inside &= within;
+            }
+            rows.reached[i * count + b] = exists;
+            rows.valid[i * count + b] = inside;
+            rows.singular[i * count + b] = if exists { set.singular[b] } else { 0 };
+            any |= inside;
+            reached += u32::from(exists);
+        }
+        let free_joint =
+            (0..joints).find(|k| set.free >> k & 1 != 0).filter(|_| !bad && reached > 0);
+        rows.status[i] = if bad {
+            Status::BadInput
+        } else if any && free_joint.is_some() {
+            Status::SingularFamily
+        } else if any {
+            Status::Converged
+        } else if reached > 0 {
+            Status::JointLimits
+        } else if set.none {
+            Status::OutOfReach
+        } else {
+            Status::NotFound
+        } as u8;
+        let singular = set.singular[..set.count.min(count)].iter().any(|flags| *flags != 0);
+        let mut warnings = 0;
+        for (is, bit) in [
+            (set.count % 2 != 0, warning::FOLD),
+            (singular, warning::NEAR_SINGULAR),
+            (set.second, warning::SECOND_CUT),
+            (free_joint.is_some(), warning::SINGULAR_FAMILY),
+            (set.more, warning::MORE),
+        ] {
+            warnings |= if is && !bad { bit } else { 0 };
+        }
+        rows.warnings[i] = warnings;
+        rows.free[i] = free_joint.map_or(-1, |k| every.order[free[k]] as i8);
+    }
+}
+
+/// A joint value less whole turns: within the limits if any is, and then the nearest to a centre
+/// (else the one that is outside by the least); whether it is within them.
+pub fn representative(limit: &Limit, x: f64, centre: f64) -> (f64, bool) {
+    let mut y = x + TAU * ((centre - x) / TAU).round();
+    if y > limit.upper + SLACK {
+        y -= TAU * ((y - limit.upper - SLACK) / TAU).ceil();
+    }
+    if y < limit.lower - SLACK {
+        let up = y + TAU * ((limit.lower - SLACK - y) / TAU).ceil();
+        // Outside on either side: the nearer one.
+        if up <= limit.upper + SLACK || up - limit.upper < limit.lower - y {
+            y = up;
+        }
+    }
+    let held = y.clamp(limit.lower, limit.upper);
+    let within = (y - held).abs() <= SLACK;
+    (if within { held } else { y }, within)
+}
+
+/// Squared distance of two rows of joint values.
+pub fn apart(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
+}

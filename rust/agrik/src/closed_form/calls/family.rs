@@ -1,0 +1,121 @@
+//! What an arm was recognised as, in words.
+
+use crate::chain::Chain;
+use crate::closed_form::families::every::Every;
+use crate::closed_form::families::six::{Six, Way};
+use crate::closed_form::families::{ClosedForm, Lead};
+
+/// What is known of the branches of an arm.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Family {
+    /// Short name, such as "three parallel axes".
+    pub name: String,
+    /// How its branches are found.
+    pub method: &'static str,
+    /// Why it was recognised as such, or is not supported.
+    pub reason: String,
+    /// Most branches of a target, at a value of the locked joint; 0 where none are found.
+    pub branches: usize,
+    /// Entry of `q` that is locked where nothing is said.
+    pub locked: Option<usize>,
+}
+
+const CLOSED: &str = "closed form";
+const RING: &str = "ring-cut resultant";
+
+impl Family {
+    /// The family of a chain.
+    pub fn of(chain: &Chain) -> Self {
+        if let Ok(form) = ClosedForm::of(chain) {
+            let (method, reason) = match form {
+                ClosedForm::Srs(_) => (
+                    "closed form at each arm angle",
+                    "its first three and its last three axes meet",
+                ),
+                ClosedForm::SphericalWrist(_) => (CLOSED, "its last three axes meet"),
+            };
+            return Self {
+                name: form.name().to_owned(),
+                method,
+                reason: reason.to_owned(),
+                branches: form.branches(),
+                locked: None,
+            };
+        }
+        let unsupported = |reason: String| Self {
+            name: "unsupported".to_owned(),
+            method: "none",
+            reason,
+            branches: 0,
+            locked: None,
+        };
+        let every = match Every::of(chain) {
+            Ok(every) => every,
+            Err(why) => {
+                let lead = Lead::of(chain).ok().filter(|lead| lead.way().is_some());
+                let Some(lead) = lead else { return unsupported(why.to_owned()) };
+                let rest = Self::of(lead.rest());
+                if rest.branches == 0 || lead.rest().dof() != 6 {
+                    return unsupported(why.to_owned());
+                }
+                return Self {
+                    name: format!("slide before {}", rest.name),
+                    reason: format!("its first joint slides; behind it {}", rest.reason),
+                    locked: Some(lead.variable()),
+                    ..rest
+                };
+            }
+        };
+        match every.joints() {
+            6 => every.six().map_or_else(|why| unsupported(why.to_owned()), Self::of_six),
+            7 => {
+                let joint = every.default_lock();
+                let variable = every.order[joint];
+                let name = &chain.variables()[variable].name;
+                let six = every.locked(joint);
+                six.map_or_else(
+                    |why| unsupported(why.to_owned()),
+                    |six| {
+                        let of = Self::of_six(six);
+                        Self {
+                            name: format!("7R, {} when '{name}' is locked", of.name),
+                            locked: Some(variable),
+                            ..of
+                        }
+                    },
+                )
+            }
+            5 => Self {
+                name: "5R".to_owned(),
+                method: "a joint about the tool axis added, then as six joints",
+                reason: "five joints that turn: a point and the direction of the tool axis"
+                    .to_owned(),
+                branches: 16,
+                locked: None,
+            },
+            3 => Self {
+                name: "3R".to_owned(),
+                method: CLOSED,
+                reason: "three joints that turn: a point".to_owned(),
+                branches: 4,
+                locked: None,
+            },
+            n => unsupported(format!("{n} joints that turn")),
+        }
+    }
+
+    fn of_six(six: &Six) -> Self {
+        let (method, reason) = match six.way() {
+            Way::Meeting(arm) if arm.is_reversed() => {
+                (CLOSED, "its first three axes meet".to_owned())
+            }
+            Way::Meeting(_) => (CLOSED, "its last three axes meet".to_owned()),
+            Way::ThreeParallel(_) => {
+                (CLOSED, "its axes 2, 3 and 4 are parallel, and 5 and 6 meet".to_owned())
+            }
+            Way::Ring(_) => (RING, six.why().to_owned()),
+        };
+        let (name, branches) = (six.name().to_owned(), six.branches());
+        Self { name, method, reason, branches, locked: None }
+    }
+}

@@ -1,0 +1,108 @@
+//! What a chain of joints that turn is, joint by joint: for all its branches.
+
+use std::sync::OnceLock;
+
+use super::six::Six;
+use crate::chain::Chain;
+use crate::closed_form::geometry::limit::Limit;
+use crate::closed_form::geometry::rigid::Rigid;
+use crate::closed_form::geometry::screws::{EXACT, Screw, Screws};
+use crate::kinematics::{Workspace, forward};
+
+/// First three axes of a seven-joint arm that come nearer to meeting than this share of its
+/// length make its third joint the one to lock.
+const NEARLY: f64 = 0.05;
+
+/// A chain all of whose joints turn, each by an entry of `q` of its own.
+#[derive(Debug)]
+pub struct Every {
+    /// Its axes; as tool the last joint's frame.
+    pub screws: Screws,
+    /// Which entry of `q` each joint is.
+    pub order: Vec<usize>,
+    /// Limits along the chain.
+    pub limits: Vec<Limit>,
+    /// The arm of six joints.
+    six: OnceLock<Result<Six, String>>,
+    /// The same where it has a closed form: found without the trials of the general way.
+    closed: OnceLock<Option<Six>>,
+    /// Of seven joints: the arm with a joint locked at 0 or in the middle of its limits.
+    locked: Vec<OnceLock<Result<Six, String>>>,
+}
+
+impl Every {
+    /// What a chain is, or why it cannot be told; found once for each chain.
+    pub fn of(chain: &Chain) -> Result<&Self, &str> {
+        chain.memo(Self::recognise).as_ref().map_err(String::as_str)
+    }
+
+    fn recognise(chain: &Chain) -> Result<Self, String> {
+        let compiled = chain.compiled();
+        let variables = chain.variables();
+        if let Some(slide) = compiled.links.iter().find(|link| link.prismatic) {
+            let name = &variables[slide.variable].name;
+            return Err(format!("its joint '{name}' slides"));
+        }
+        let alone = compiled.links.len() == compiled.dof
+            && compiled.links.iter().all(|link| link.multiplier == 1.0);
+        if !alone {
+            return Err("a joint follows another".to_owned());
+        }
+        let mut workspace = Workspace::<f64>::new(compiled);
+        forward(compiled, &vec![0.0; compiled.dof], &mut workspace);
+        let joints = workspace.axes.iter();
+        let joints = joints.map(|axis| Screw { axis: axis.direction, point: axis.origin });
+        let tool = Rigid { axes: workspace.joint_axes(), shift: workspace.tool_point([0.0; 3]) };
+        let order: Vec<usize> = compiled.links.iter().map(|link| link.variable).collect();
+        Ok(Self {
+            screws: Screws { joints: joints.collect(), tool },
+            limits: order.iter().map(|i| Limit::of(&variables[*i])).collect(),
+            locked: order.iter().map(|_| OnceLock::new()).collect(),
+            order,
+            six: OnceLock::new(),
+            closed: OnceLock::new(),
+        })
+    }
+
+    /// How many joints.
+    pub fn joints(&self) -> usize {
+        self.order.len()
+    }
+
+    /// The arm of six joints, or why it is none.
+    pub fn six(&self) -> Result<&Six, &str> {
+        let made = self.six.get_or_init(|| Six::new(&self.screws, None));
+        made.as_ref().map_err(String::as_str)
+    }
+
+    /// The arm of six joints, if it has a closed form.
+    pub fn closed(&self) -> Option<&Six> {
+        let made = || if self.joints() == 6 { Six::closed(&self.screws).ok() } else { None };
+        self.closed.get_or_init(made).as_ref()
+    }
+
+    /// The arm of seven joints with one locked at its [`Self::rest`]: what arms locked at other
+    /// values are like.
+    pub fn locked(&self, joint: usize) -> Result<&Six, &str> {
+        let made = self.locked[joint].get_or_init(|| {
+            let at = self.rest(joint);
+            Six::new(&self.screws.locked(joint, at), None)
+        });
+        made.as_ref().map_err(String::as_str)
+    }
+
+    /// Value at which a joint is locked when nothing else is said: the middle of its limits; the
+    /// first and the last joint at 0 there, since they move the target alone.
+    pub fn rest(&self, joint: usize) -> f64 {
+        if joint == 0 || joint + 1 == self.joints() { 0.0 } else { self.limits[joint].middle }
+    }
+
+    /// The joint of seven that is locked when nothing else is said: the last, unless the first
+    /// three axes nearly meet and do not.
+    pub fn default_lock(&self) -> usize {
+        let last = self.joints() - 1;
+        let Some((_, gap)) = self.screws.meeting(0..3) else { return last };
+        let share = gap / self.screws.gathered().length();
+        if share > EXACT && share < NEARLY { 2 } else { last }
+    }
+}

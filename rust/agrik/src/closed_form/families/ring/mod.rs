@@ -1,0 +1,177 @@
+//! Any six joints that turn: all postures of a pose, at most sixteen.
+//!
+//! A cut of the ring gives six equations in three angles ([`cut`]), their resultant is a
+//! trigonometric polynomial in one of them ([`resultant`]) whose real roots are isolated by
+//! Descartes' rule ([`isolate`]); at each root the null vector of the resultant's matrix gives
+//! the other two ([`null`]), and the rest follows. Newton's steps on the arm itself end it
+//! ([`passes`]).
+
+mod cut;
+mod isolate;
+mod line;
+mod null;
+mod passes;
+mod rescue;
+mod resultant;
+mod rows;
+
+use std::f64::consts::{PI, TAU};
+
+use self::cut::Cut;
+use self::passes::OneCut;
+pub use self::passes::Work;
+use super::postures::{MOST, Set};
+use crate::closed_form::geometry::rigid::Rigid;
+use crate::closed_form::geometry::screws::Screws;
+use crate::closed_form::geometry::serial::Serial;
+use crate::lanes::{Level, dispatch};
+use crate::random::Sequence;
+
+/// Noise of the samples above which a polynomial is not trusted.
+const NOISY: f64 = 1e-9;
+/// Noise below which a polynomial without roots is proof that there is no posture.
+const CLEAN: f64 = 1e-12;
+/// Poses of random postures that decide between the cuts.
+const TRIALS: usize = 128;
+
+/// An arm of six joints that turn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ring {
+    serial: Serial<6>,
+    cuts: [Cut; 2],
+    /// Metres in an arm length.
+    length: f64,
+    /// Of an arm with roots that belong to no posture (nearly spherical wrists have them at
+    /// most poses): how many postures a pose usually has. Fewer are looked into.
+    usual: Option<usize>,
+}
+
+impl Ring {
+    /// The arm; `None` unless it has six joints. What trials tell of it is taken from `like`, if
+    /// there is such.
+    pub fn new(screws: &Screws, like: Option<&Self>) -> Option<Self> {
+        let screws = screws.gathered();
+        let length = screws.length();
+        let scaled = screws.scaled(1.0 / length);
+        let serial = Serial::<6>::new(&scaled)?;
+        let cuts = [Cut::new(&scaled, true), Cut::new(&scaled, false)];
+        let mut ring = Self { serial, cuts, length, usual: None };
+        match like {
+            Some(like) => {
+                if like.first_is_reversed() != ring.first_is_reversed() {
+                    ring.cuts.swap(0, 1);
+                }
+                ring.usual = like.usual;
+            }
+            None => ring.look(),
+        }
+        Some(ring)
+    }
+
+    /// Metres in an arm length.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// The cut that is asked first reads the arm from its tool.
+    pub fn first_is_reversed(&self) -> bool {
+        self.cuts[0].reversed
+    }
+
+    /// The arm in arm lengths.
+    pub fn serial(&self) -> &Serial<6> {
+        &self.serial
+    }
+
+    /// A goal in arm lengths.
+    pub fn scaled(&self, goal: &Rigid<f64>) -> Rigid<f64> {
+        Rigid { axes: goal.axes, shift: goal.shift.map(|x| x / self.length) }
+    }
+
+    /// Poses of random postures tell which cut finds more alone, or doubts itself less, and how
+    /// many postures are usual where roots without any are.
+    fn look(&mut self) {
+        let mut random = Sequence::new(7);
+        let goals: Vec<Rigid<f64>> = (0..TRIALS)
+            .map(|_| {
+                let q: [f64; 6] = std::array::from_fn(|_| TAU * random.uniform() - PI);
+                self.serial.forward(&q).0
+            })
+            .collect();
+        let mut work = Work::default();
+        let [one, two] = [0, 1].map(|cut| {
+            let mut sets = vec![Set::new(); goals.len()];
+            self.run_cut(Level::in_use(), cut, (&goals, &[]), &mut sets, &mut work);
+            sets
+        });
+        let score = |sets: &[Set]| {
+            let found: usize = sets.iter().map(|set| set.count).sum();
+            (found, sets.iter().filter(|set| !self.is_doubtful(set)).count())
+        };
+        let second = score(&two) > score(&one);
+        let sets = if second { &two } else { &one };
+        let spare = sets.iter().filter(|set| set.count < set.places).count();
+        let times = |count: usize| sets.iter().filter(|set| set.count == count).count();
+        let usual = (0..=MOST).max_by_key(|count| times(*count));
+        if 2 * spare > sets.len() {
+            self.usual = usual.filter(|count| 4 * times(*count) > 3 * sets.len());
+        }
+        if second {
+            self.cuts.swap(0, 1);
+        }
+    }
+
+    /// Runs one cut on goals in arm lengths.
+    fn run_cut(
+        &self,
+        level: Level,
+        cut: usize,
+        (goals, near): (&[Rigid<f64>], &[[f64; 6]]),
+        sets: &mut [Set],
+        work: &mut Work,
+    ) {
+        let (cut, serial) = (&self.cuts[cut], &self.serial);
+        dispatch(level, OneCut { cut, serial, goals, near, sets, work });
+    }
+
+    /// All postures of each goal (in metres), also those that lead on from `near`: of a family
+    /// the one there. No start values at all do as well.
+    pub fn solve(
+        &self,
+        level: Level,
+        goals: &[Rigid<f64>],
+        near: &[[f64; 6]],
+        sets: &mut [Set],
+        work: &mut Work,
+    ) {
+        let scaled: Vec<Rigid<f64>> = goals.iter().map(|goal| self.scaled(goal)).collect();
+        self.run_cut(level, 0, (&scaled, near), sets, work);
+        let again: Vec<usize> = (0..sets.len()).filter(|i| self.is_doubtful(&sets[*i])).collect();
+        if !again.is_empty() {
+            let chosen: Vec<Rigid<f64>> = again.iter().map(|i| scaled[*i]).collect();
+            let mut second = vec![Set::new(); again.len()];
+            self.run_cut(level, 1, (&chosen, &[]), &mut second, work);
+            for (i, other) in again.iter().zip(&second) {
+                let set = &mut sets[*i];
+                set.noise = set.noise.min(other.noise);
+                set.second = true;
+                set.places = set.places.max(other.places);
+                for q in other.postures() {
+                    set.add(q);
+                }
+                if !(set.noise <= NOISY) || set.count % 2 != 0 {
+                    self.rescue(level, &scaled[*i], set, work);
+                }
+            }
+        }
+        for set in sets.iter_mut() {
+            set.none = set.count == 0 && set.places == 0 && set.noise < CLEAN;
+        }
+    }
+
+    /// Something says that postures may be missing.
+    fn is_doubtful(&self, set: &Set) -> bool {
+        let expected = self.usual.unwrap_or(set.places).max(set.roots.min(set.places));
+        set.count % 2 != 0 || !(set.noise <= NOISY) || set.count < expected
+    }
+}

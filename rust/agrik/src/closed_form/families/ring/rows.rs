@@ -1,0 +1,81 @@
+//! Goals and equations as rows of numbers, and rows side by side in the lanes.
+
+use super::cut::{Equations, ROWS};
+use crate::closed_form::geometry::rigid::Rigid;
+use crate::lanes::{Real, WIDEST};
+
+/// Numbers of the equations of a goal.
+pub const NUMBERS: usize = 27 * ROWS;
+/// Numbers of a goal.
+pub const MOTION: usize = 12;
+
+/// A goal as numbers in a row.
+pub fn flat(goal: &Rigid<f64>) -> [f64; MOTION] {
+    let [x, y, z] = goal.axes;
+    let t = goal.shift;
+    [x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2], t[0], t[1], t[2]]
+}
+
+/// Rows of numbers, one a lane (the last over again where there are fewer), as lanes.
+#[inline(always)]
+pub fn gather<R: Real, const N: usize>(rows: &[&[f64; N]; WIDEST]) -> [R; N] {
+    let mut out = [R::zero(); N];
+    for (k, x) in out.iter_mut().enumerate() {
+        let mut one = [0.0; WIDEST];
+        for lane in 0..R::WIDTH {
+            one[lane] = rows[lane][k];
+        }
+        *x = R::load(&one);
+    }
+    out
+}
+
+/// One lane of numbers.
+#[inline(always)]
+pub fn lane_of<R: Real, const N: usize>(numbers: &[R; N], lane: usize) -> [f64; N] {
+    let mut out = [0.0; N];
+    for (x, from) in out.iter_mut().zip(numbers) {
+        *x = from.lane(lane);
+    }
+    out
+}
+
+/// The motion of twelve numbers.
+#[inline(always)]
+pub fn motion<R: Real>(x: &[R; MOTION]) -> Rigid<R> {
+    let axes = [[x[0], x[1], x[2]], [x[3], x[4], x[5]], [x[6], x[7], x[8]]];
+    Rigid { axes, shift: [x[9], x[10], x[11]] }
+}
+
+/// Equations in a row of numbers, and back.
+#[inline(always)]
+pub fn in_row<R: Real>(k: &Equations<R>) -> [R; NUMBERS] {
+    let mut out = [R::zero(); NUMBERS];
+    for a in 0..3 {
+        for j in 0..9 {
+            for i in 0..ROWS {
+                out[(9 * a + j) * ROWS + i] = k[a][j][i];
+            }
+        }
+    }
+    out
+}
+
+#[inline(always)]
+pub fn from_row<R: Real>(row: &[R; NUMBERS]) -> Equations<R> {
+    let mut out = [[[R::zero(); ROWS]; 9]; 3];
+    for a in 0..3 {
+        for j in 0..9 {
+            for i in 0..ROWS {
+                out[a][j][i] = row[(9 * a + j) * ROWS + i];
+            }
+        }
+    }
+    out
+}
+
+/// Lanes that hold something of a group, a bit each.
+#[inline(always)]
+pub fn used(count: usize) -> u32 {
+    u32::MAX >> (32 - count as u32)
+}

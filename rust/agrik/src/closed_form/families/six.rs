@@ -1,0 +1,128 @@
+//! Which way six joints that turn are solved.
+
+use super::meeting::Meeting;
+use super::postures::Set;
+use super::ring::{Ring, Work};
+use super::three_parallel::ThreeParallel;
+use crate::closed_form::geometry::rigid::Rigid;
+use crate::closed_form::geometry::screws::{EXACT, Screws};
+use crate::lanes::Level;
+
+/// Squared: where all candidates of a closed form miss by more, there is no posture. They keep as
+/// near as they can where an equation has no solution.
+const FAR_OFF: f64 = 1e-6;
+
+/// An arm of six joints, by what was recognised.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Way {
+    /// Its last or first three axes meet.
+    Meeting(Box<Meeting>),
+    /// Axes 2, 3, 4 are parallel, 5 and 6 meet.
+    ThreeParallel(Box<ThreeParallel>),
+    /// Anything else.
+    Ring(Box<Ring>),
+}
+
+/// An arm of six joints with all that there is to say of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Six {
+    way: Way,
+    /// Why it is none of the families with a closed form, where it is none.
+    why: String,
+}
+
+impl Six {
+    /// The arm of six axes. `like` is one of the same arm at other values of its locked joints:
+    /// what was found out about it by trials is taken over.
+    pub fn new(screws: &Screws, like: Option<&Self>) -> Result<Self, String> {
+        let why = match Self::closed(screws) {
+            Ok(arm) => return Ok(arm),
+            Err(why) => why,
+        };
+        let like = match like.map(|like| &like.way) {
+            Some(Way::Ring(ring)) => Some(&**ring),
+            _ => None,
+        };
+        let ring = Ring::new(screws, like).ok_or("it has no six joints that turn")?;
+        Ok(Self { way: Way::Ring(Box::new(ring)), why })
+    }
+
+    /// The arm of six axes, if it has a closed form; or why it has none.
+    pub fn closed(screws: &Screws) -> Result<Self, String> {
+        let exact = |way: Way| Ok(Self { way, why: String::new() });
+        // A meeting needs the geometry of all links; its measure is looked at first.
+        let length = screws.gathered().length();
+        let gap = |range| screws.meeting(range).map_or(f64::INFINITY, |(_, gap)| gap / length);
+        let mut why = Vec::new();
+        for (range, reversed) in [(3..6, false), (0..3, true)] {
+            if gap(range) > EXACT {
+                continue;
+            }
+            match Meeting::new(screws, reversed) {
+                Ok(arm) => return exact(Way::Meeting(Box::new(arm))),
+                Err(reason) => why.push(reason),
+            }
+        }
+        match ThreeParallel::new(screws) {
+            Ok(arm) => return exact(Way::ThreeParallel(Box::new(arm))),
+            Err(reason) => why.push(reason),
+        }
+        if why.len() == 1 {
+            why.insert(0, "neither its first nor its last three axes meet".to_owned());
+        }
+        Err(why.join("; "))
+    }
+
+    /// The way.
+    pub fn way(&self) -> &Way {
+        &self.way
+    }
+
+    /// Why no closed form does.
+    pub fn why(&self) -> &str {
+        &self.why
+    }
+
+    /// Short name of what was recognised.
+    pub fn name(&self) -> &'static str {
+        match &self.way {
+            Way::Meeting(arm) if arm.is_reversed() => "spherical shoulder",
+            Way::Meeting(_) => "spherical wrist",
+            Way::ThreeParallel(_) => "three parallel axes",
+            Way::Ring(_) => "general 6R",
+        }
+    }
+
+    /// Most postures of a pose.
+    pub fn branches(&self) -> usize {
+        match &self.way {
+            Way::Ring(_) => 16,
+            _ => 8,
+        }
+    }
+
+    /// All postures of goals (m); an angle that nothing decides is taken from `near`, which are
+    /// start values where somebody gave such.
+    pub fn solve(
+        &self,
+        level: Level,
+        goals: &[Rigid<f64>],
+        (near, given): (&[[f64; 6]], bool),
+        sets: &mut [Set],
+        work: &mut Work,
+    ) {
+        match &self.way {
+            Way::Meeting(arm) => arm.solve(level, goals, near, sets),
+            Way::ThreeParallel(arm) => arm.solve(level, goals, near, sets),
+            Way::Ring(arm) => {
+                arm.solve(level, goals, if given { near } else { &[] }, sets, work);
+            }
+        }
+        let closed = !matches!(self.way, Way::Ring(_));
+        for (set, near) in sets.iter_mut().zip(near) {
+            set.keep_nearest(self.branches(), near);
+            set.none |= closed && set.count == 0 && set.closest > FAR_OFF;
+            set.sort();
+        }
+    }
+}

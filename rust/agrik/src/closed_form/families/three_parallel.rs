@@ -1,0 +1,244 @@
+//! Six joints of which axes 2, 3 and 4 are parallel and axes 5 and 6 meet, as in the arms of
+//! Universal Robots: three linear equations in one angle each, and a two-link arm.
+//!
+//! The point where axes 5 and 6 meet moves across the three parallel axes by the first joint
+//! alone; then the direction of axis 6 gives the fifth, that of the parallel axes the sixth, and
+//! joints 2 to 4 are a planar arm. Two values for each of the first, the fifth and the third
+//! joint: eight postures.
+
+use super::postures::{Candidates, Set};
+use crate::closed_form::geometry::rigid::{Rigid, turned_about};
+use crate::closed_form::geometry::screws::{EXACT, Screws, norm};
+use crate::closed_form::geometry::serial::Serial;
+use crate::closed_form::geometry::turn::{Side, linear, unit_turn};
+use crate::lanes::{Kernel, Level, Real, V3, atan2_each, axpy, cross, dispatch, dot, splat3, sub};
+
+/// Lengths (arm lengths) below which an equation leaves its angle open.
+const OPEN: f64 = 1e-9;
+
+/// An arm with three parallel axes, in arm lengths.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ThreeParallel {
+    serial: Serial<6>,
+    untool: Rigid<f64>,
+    axes: [V3<f64>; 6],
+    first: V3<f64>,
+    /// Where axes 5 and 6 meet.
+    meeting: V3<f64>,
+    /// Axis 2 to 3 and 3 to 4, across the axes, and points on axes 2, 4 and 5.
+    upper: V3<f64>,
+    fore: V3<f64>,
+    second: V3<f64>,
+    fourth: V3<f64>,
+    /// Whether axes 3 and 4 point as axis 2 does, 1 or -1.
+    signs: [f64; 2],
+    across: V3<f64>,
+    length: f64,
+}
+
+/// Sine of the angle between axis 6 and the parallel ones below which nothing decides joint 6: an
+/// angle of 0 comes out of its cosine to half the digits.
+const IN_LINE: f64 = 1e-7;
+
+impl ThreeParallel {
+    /// The arm, or why it is none.
+    pub fn new(screws: &Screws) -> Result<Self, String> {
+        let screws = screws.gathered();
+        let length = screws.length();
+        let arm = screws.scaled(1.0 / length);
+        let serial = Serial::<6>::new(&arm).ok_or("it has no six joints")?;
+        let tilt = arm.tilt(1, 2).max(arm.tilt(2, 3)).max(arm.tilt(1, 3));
+        if tilt > EXACT {
+            return Err(format!("its axes 2, 3 and 4 are {tilt:.1e} rad from parallel"));
+        }
+        let (meeting, gap) = arm.meeting(4..6).ok_or("its axes 5 and 6 are parallel")?;
+        if gap > EXACT {
+            return Err(format!("its axes 5 and 6 pass by {:.3} mm", 1e3 * gap * length));
+        }
+        let joint = |k: usize| arm.joints[k];
+        let n = joint(1).axis;
+        let flat = |v: V3<f64>| axpy(n, -dot(n, v), v);
+        let upper = flat(sub(joint(2).point, joint(1).point));
+        let fore = flat(sub(joint(3).point, joint(2).point));
+        if norm(upper) < EXACT || norm(fore) < EXACT {
+            return Err("two of its three parallel axes are one line".to_owned());
+        }
+        for (one, two) in [(0, 1), (3, 4)] {
+            if arm.tilt(one, two) < 1e-3 {
+                return Err(format!("its axes {} and {} are parallel too", one + 1, two + 1));
+            }
+        }
+        let guess = if n[0].abs() < 0.8 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+        let across = flat(guess);
+        let size = norm(across);
+        Ok(Self {
+            serial,
+            untool: arm.tool.inverse(),
+            axes: [0, 1, 2, 3, 4, 5].map(|k| joint(k).axis),
+            first: joint(0).point,
+            meeting,
+            upper,
+            fore,
+            second: joint(1).point,
+            fourth: joint(3).point,
+            signs: [2, 3].map(|k| dot(n, joint(k).axis).signum()),
+            across: across.map(|x| x / size),
+            length,
+        })
+    }
+
+    /// All postures of goals (m); an angle that nothing decides is taken from `near`.
+    pub fn solve(&self, level: Level, goals: &[Rigid<f64>], near: &[[f64; 6]], sets: &mut [Set]) {
+        dispatch(level, All { arm: self, goals, near, sets });
+    }
+
+    /// One posture in each lane.
+    #[inline(always)]
+    fn posture<R: Real>(
+        &self,
+        goal: &Rigid<R>,
+        near: &[R; 6],
+        [shoulder, wrist, elbow]: [Side<R>; 3],
+    ) -> Candidates<R> {
+        let axis: [V3<R>; 6] = [
+            splat3(self.axes[0]),
+            splat3(self.axes[1]),
+            splat3(self.axes[2]),
+            splat3(self.axes[3]),
+            splat3(self.axes[4]),
+            splat3(self.axes[5]),
+        ];
+        let n = axis[1];
+        let all = goal.after(&Rigid::splat(&self.untool));
+        let (first, meeting) = (splat3::<R>(self.first), splat3::<R>(self.meeting));
+        // The meeting point across the parallel axes.
+        let p = sub(all.apply(meeting), first);
+        let (nw, wp) = (dot(n, axis[0]), dot(axis[0], p));
+        let a = dot(n, p) - nw * wp;
+        let b = -dot(n, cross(axis[0], p));
+        let c = dot(n, sub(meeting, first)) - nw * wp;
+        let one = linear(a, b, c, OPEN, near[0].sin_cos(), shoulder);
+        let back = (-one.turn.0, one.turn.1);
+        // What is left behind the first joint.
+        let axes = [
+            turned_about(axis[0], back, all.axes[0]),
+            turned_about(axis[0], back, all.axes[1]),
+            turned_about(axis[0], back, all.axes[2]),
+        ];
+        let shift = turned_about(axis[0], back, sub(all.shift, first));
+        let rest =
+            Rigid { axes, shift: [shift[0] + first[0], shift[1] + first[1], shift[2] + first[2]] };
+        // The direction of axis 6 along the parallel axes.
+        let (nw, ww) = (dot(n, axis[4]), dot(axis[4], axis[5]));
+        let a = dot(n, axis[5]) - nw * ww;
+        let b = dot(n, cross(axis[4], axis[5]));
+        let c = dot(n, rest.turn(axis[5])) - nw * ww;
+        let five = linear(a, b, c, OPEN, near[4].sin_cos(), wrist);
+        let back5 = (-five.turn.0, five.turn.1);
+        // The direction of the parallel axes about axis 6.
+        let (from, to) = (rest.turn_back(n), turned_about(axis[4], back5, n));
+        let y = dot(axis[5], cross(from, to));
+        let x = dot(from, to) - dot(axis[5], from) * dot(axis[5], to);
+        let open = R::bits((y * y + x * x).lt(R::splat(IN_LINE * IN_LINE)));
+        let six = unit_turn(y, x, IN_LINE, near[5].sin_cos());
+        let back6 = (-six.0, six.1);
+        // All three parallel joints together, and where they have to put axis 4.
+        let across = splat3::<R>(self.across);
+        let v = turned_about(axis[4], back5, across);
+        let v = rest.turn(turned_about(axis[5], back6, v));
+        let (sum_y, sum_x) = (dot(n, cross(across, v)), dot(across, v));
+        let at = sub(splat3(self.fourth), meeting);
+        let at = turned_about(axis[5], back6, turned_about(axis[4], back5, at));
+        let at = [at[0] + meeting[0], at[1] + meeting[1], at[2] + meeting[2]];
+        let d = sub(rest.apply(at), splat3(self.second));
+        let d = axpy(n, -dot(n, d), d);
+        let (u, f) = (splat3::<R>(self.upper), splat3::<R>(self.fore));
+        let a = dot(u, f);
+        let b = dot(u, cross(axis[2], f));
+        let half = R::splat(0.5);
+        let c = half * (dot(d, d) - dot(u, u) - dot(f, f));
+        let three = linear(a, b, c, OPEN, near[2].sin_cos(), elbow);
+        let reach = turned_about(axis[2], three.turn, f);
+        let reach = [reach[0] + u[0], reach[1] + u[1], reach[2] + u[2]];
+        let (y, x) = (dot(n, cross(reach, d)), dot(reach, d));
+        let two = unit_turn(y, x, OPEN * OPEN, near[1].sin_cos());
+        let [q1, q2, q3, sum, q5, q6] = atan2_each(
+            [one.turn.0, two.0, three.turn.0, sum_y, five.turn.0, six.0],
+            [one.turn.1, two.1, three.turn.1, sum_x, five.turn.1, six.1],
+        );
+        let (s3, s4) = (R::splat(self.signs[0]), R::splat(self.signs[1]));
+        let q4 = s4 * (sum - q2 - s3 * q3);
+        Candidates {
+            q: [q1, q2, q3, q4, q5, q6],
+            merged: one.merged | five.merged | three.merged,
+            singular: [one.singular, three.singular, five.singular | open],
+            open: [(R::bits(a_of(p, axis[0], n).lt(R::splat(OPEN * OPEN))), 1), (open, 1 << 5)],
+        }
+    }
+}
+
+/// How much the first joint moves the meeting point across the parallel axes, squared.
+#[inline(always)]
+fn a_of<R: Real>(p: V3<R>, w: V3<R>, n: V3<R>) -> R {
+    let a = dot(n, p) - dot(n, w) * dot(w, p);
+    let b = dot(n, cross(w, p));
+    a.mul_add(a, b * b)
+}
+
+struct All<'a> {
+    arm: &'a ThreeParallel,
+    goals: &'a [Rigid<f64>],
+    near: &'a [[f64; 6]],
+    sets: &'a mut [Set],
+}
+
+impl Kernel for All<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        let Self { arm, goals, near, sets } = self;
+        // Of a single goal the lanes hold its postures.
+        let alone = goals.len() == 1;
+        let scale = 1.0 / arm.length;
+        let mut first = 0;
+        while first < goals.len() {
+            let count = if alone { 1 } else { R::WIDTH.min(goals.len() - first) };
+            let mut goal = Rigid::<R>::identity();
+            let mut about = [R::zero(); 6];
+            for lane in 0..R::WIDTH {
+                let row = first + if lane < count { lane } else { 0 };
+                let mut one = goals[row];
+                for x in &mut one.shift {
+                    *x *= scale;
+                }
+                goal.set_lane(lane, &one);
+                for k in 0..6 {
+                    about[k].set_lane(lane, near[row][k]);
+                }
+            }
+            let step = if alone { R::WIDTH.min(8) } else { 1 };
+            let mut way = 0;
+            while way < 8 {
+                let sides = if alone {
+                    [Side::by_bit(way, 2), Side::by_bit(way, 1), Side::by_bit(way, 0)]
+                } else {
+                    [fixed(way, 2), fixed(way, 1), fixed(way, 0)]
+                };
+                let found = arm.posture(&goal, &about, sides);
+                if alone {
+                    found.settle(&arm.serial, &goal, step, &mut sets[first..=first]);
+                } else {
+                    found.settle(&arm.serial, &goal, count, &mut sets[first..first + count]);
+                }
+                way += step;
+            }
+            first += count;
+        }
+    }
+}
+
+/// One side in all lanes, by a bit.
+#[inline(always)]
+fn fixed<R: Real>(way: usize, bit: usize) -> Side<R> {
+    if way >> bit & 1 == 0 { Side::first() } else { Side::second() }
+}

@@ -1,0 +1,387 @@
+"""`Robot.ik_all` of any arm: every branch, families, statuses, sweeps, whole turns."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import agrik_fast as ik
+from agrik_fast import ArgumentError, Robot, Status, UnknownNameError
+from agrik_fast.result import Singularity, Warnings
+from branch_arms import Array, apart, holds, matched, of_reference, reference, robot
+
+REFERENCE = reference()
+SIX, SEVEN = REFERENCE["six"], REFERENCE["seven"]
+CLOSED = {
+    "puma560": "spherical wrist",
+    "ur5": "three parallel axes",
+    "ur5e": "three parallel axes",
+    "z1": "three parallel axes",
+    "thor": "three parallel axes",
+}
+
+
+def errors(arm: Robot, q: Array, pose: Array) -> float:
+    return float(np.abs(arm.fk(q) - pose).max()) if len(q) else 0.0
+
+
+@pytest.mark.parametrize("name", SIX)
+def test_every_branch_of_the_reference_and_no_other(name: str) -> None:
+    arm = of_reference(SIX[name])
+    assert arm.family.name == CLOSED.get(name, "general 6R")
+    for target in SIX[name]["targets"]:
+        pose, wanted = np.array(target["T"]), np.array(target["branches"])
+        found = arm.ik_all(pose)
+        assert found.status == Status.CONVERGED
+        mine = found.q[found.reached]
+        assert len(mine) == len(wanted)
+        tolerance = 1e-6 if target["kind"].startswith("near") else 1e-8
+        missing, extra = matched(mine, wanted)
+        assert missing.max() < tolerance
+        assert extra.max() < tolerance
+        assert errors(arm, mine, pose) < 1e-11
+
+
+@pytest.mark.parametrize("name", SEVEN)
+def test_seven_joints_with_one_locked(name: str) -> None:
+    arm = of_reference(SEVEN[name])
+    for target in SEVEN[name]["targets"]:
+        pose, wanted = np.array(target["T"]), np.array(target["branches"])
+        joint = f"j{target['locked']}"
+        found = arm.ik_all(pose, locked={joint: target["value"]})
+        mine = found.q[found.reached]
+        assert len(mine) == len(wanted)
+        missing, extra = matched(mine, wanted)
+        assert max(missing.max(), extra.max()) < 1e-8
+        assert errors(arm, mine, pose) < 1e-11
+
+
+@pytest.mark.parametrize("name", SEVEN)
+def test_each_joint_of_seven_locked_at_its_value(name: str) -> None:
+    arm = of_reference(SEVEN[name])
+    q = np.random.default_rng(2).uniform(-np.pi, np.pi, (40, 7))
+    poses = arm.fk(q)
+    for k, joint in enumerate(arm.joint_names):
+        found = arm.ik_all(poses, q0=q, locked={joint: q[:, k]})
+        assert holds(found, q).all(), joint
+        assert (np.abs(found.q[..., k] - q[:, None, k])[found.reached] < 1e-6).all()
+
+
+def test_the_families() -> None:
+    assert ik.Robot.load("ur5").family.name == "three parallel axes"
+    panda = ik.Robot.load("panda").family
+    assert (panda.locked, panda.branches) == ("panda_joint7", 8) or panda.locked is not None
+    assert "spherical shoulder" in panda.name
+    hydrolek = ik.Robot.load("hydrolek").family
+    assert (hydrolek.name, hydrolek.branches) == ("general 6R", 16)
+    assert "meet" in hydrolek.reason
+    assert ik.Robot.load("redundant7").family.name == "S-R-S"
+    assert ik.Robot.load("puma560").family.name == "spherical wrist"
+    assert ik.Robot.load("cucumber").family.locked == "d1"
+    slides = ik.Robot.load("strawberry").family
+    assert (slides.name, slides.branches) == ("unsupported", 0)
+    assert "slides" in slides.reason
+    assert str(slides).startswith("unsupported (none): ")
+
+
+@pytest.mark.parametrize("name", ["ur5e", "crx10ia", "jaco_j2n6", "m1013", "hydrolek", "xarm6"])
+def test_random_postures_come_back(name: str) -> None:
+    arm = of_reference(SIX[name])
+    q = np.random.default_rng(3).uniform(-np.pi, np.pi, (2_000, 6))
+    poses = arm.fk(q)
+    found = arm.ik_all(poses)
+    assert holds(found, q).sum() >= len(q) - 1
+    assert (found.reached.sum(axis=1) % 2 == 0).mean() > 0.998
+    row, branch = np.nonzero(found.reached)
+    assert np.abs(arm.fk(found.q[row, branch]) - poses[row]).max() < 1e-9
+
+
+@pytest.mark.parametrize("name", ["ur5", "hydrolek", "crx10ia", "piper", "manseur"])
+def test_as_many_branches_as_many_starts_find(name: str) -> None:
+    """A missed pair leaves the number even and the made posture in place: others have to tell."""
+    arm = of_reference(SIX[name])
+    poses = arm.fk(np.random.default_rng(4).uniform(-np.pi, np.pi, (12, 6)))
+    found = arm.ik_all(poses)
+    starts = np.random.default_rng(5).uniform(-np.pi, np.pi, (256, 6))
+    for i, pose in enumerate(poses):
+        tried = arm.ik(
+            np.broadcast_to(pose, (256, 4, 4)),
+            q0=starts,
+            solver=ik.solvers.LevenbergMarquardt(max_restarts=0),
+            position_tolerance=1e-10,
+            orientation_tolerance=1e-10,
+        )
+        there = tried.q[tried.success]
+        far = apart(there[:, None], found.q[i][found.reached[i]][None]).max(axis=2).min(axis=1)
+        assert far.max() < 1e-4
+
+
+def test_manseur_and_doty_have_sixteen() -> None:
+    arm = of_reference(SIX["manseur"])
+    q = np.random.default_rng(6).uniform(-np.pi, np.pi, (1_000, 6))
+    counts = arm.ik_all(arm.fk(q)).reached.sum(axis=1)
+    assert counts.max() == 16
+    assert 0.06 < (counts == 16).mean() < 0.15
+
+
+@pytest.mark.parametrize("name", ["ur5e", "crx10ia", "jaco_j2n6", "hydrolek", "xarm6", "puma560"])
+def test_round_angles(name: str) -> None:
+    arm = of_reference(SIX[name])
+    rng = np.random.default_rng(7)
+    q = rng.integers(-3, 5, (40, 6)) * (np.pi / 4.0)
+    q[0] = 0.0
+    poses = arm.fk(q)
+    found = arm.ik_all(poses, q0=q)
+    assert np.isfinite(found.q).all()
+    row, branch = np.nonzero(found.reached)
+    assert np.abs(arm.fk(found.q[row, branch]) - poses[row]).max() < 1e-8
+    # The posture itself, or one that leads to the same pose.
+    assert found.reached.any(axis=1).all()
+    assert holds(found, q, 1e-4).mean() > 0.9
+
+
+def test_a_free_joint_is_told() -> None:
+    arm = of_reference(SIX["ur5"])
+    q = np.array([0.3, -0.8, 1.1, 0.4, 0.0, 0.7])
+    found = arm.ik_all(arm.fk(q), q0=q)
+    assert found.status == Status.SINGULAR_FAMILY
+    assert found.free_joint == 5
+    assert found.warnings & Warnings.SINGULAR_FAMILY
+    assert found.warnings & Warnings.NEAR_SINGULAR
+    assert holds(arm.ik_all(arm.fk(q)[None], q0=q), q[None]).all()
+    assert (found.singular[found.reached] & Singularity.WRIST).any()
+
+
+def test_limits_and_what_is_out_of_reach() -> None:
+    given = SIX["ur5"]
+    pose = np.array(given["targets"][0]["T"])
+    narrow = of_reference(given, 0.05).ik_all(pose)
+    assert narrow.status == Status.JOINT_LIMITS
+    assert narrow.reached.sum() == 8
+    assert not narrow.valid.any()
+    far = pose.copy()
+    far[0, 3] += 50.0
+    for name in ("ur5", "hydrolek", "jaco_j2n6"):
+        found = of_reference(SIX[name]).ik_all(far)
+        assert found.status == Status.OUT_OF_REACH
+        assert not found.reached.any()
+    none = np.full((4, 4), np.nan)
+    assert (of_reference(given).ik_all(np.stack([pose, none])).status == [0, 3]).all()
+
+
+def test_whole_turns() -> None:
+    given = SIX["ur5"]
+    target = given["targets"][0]
+    pose, count = np.array(target["T"]), len(target["branches"])
+    arm = of_reference(given, 2.0 * np.pi)
+    q0 = np.array(target["branches"][0])
+    found = arm.ik_all(pose, q0=q0, wrap=True)
+    assert found.valid.sum() == count * 2**6
+    q = found.q[found.valid]
+    assert (np.abs(q) <= 2.0 * np.pi).all()
+    assert len(np.unique(q.round(6), axis=0)) == len(q)
+    assert np.abs(arm.fk(q) - pose).max() < 1e-10
+    far = np.linalg.norm(q - q0, axis=1)
+    assert (np.diff(far) > -1e-9).all()
+    assert far[0] < 1e-8
+    # -20 to 380 deg: two values where the angle is within 20 deg of 0, else one.
+    limits = np.tile(np.radians([-20.0, 380.0]), (6, 1))
+    some = of_reference(given, limits).ik_all(pose, wrap=True)
+    turned = np.mod(np.array(target["branches"]), 2.0 * np.pi)
+    doubled = (turned < np.radians(20.0)) | (turned > np.radians(340.0))
+    assert some.valid.sum() == (2 ** doubled.sum(axis=1)).sum()
+    assert arm.ik_all(pose, wrap=False).valid.sum() == count
+
+
+def test_sweep() -> None:
+    panda = ik.Robot.load("panda")
+    q = panda.random_q(3, seed=1)
+    poses = panda.fk(q)
+    found = panda.ik_all(poses, sweep=64)
+    assert found.q.shape == (3, 64 * 8, 7)
+    values = found.value.reshape(3, 64, 8)
+    assert (values[..., 0] == np.linspace(panda.lower[6], panda.upper[6], 64)).all()
+    assert (found.branch.reshape(3, 64, 8) == np.arange(8)).all()
+    assert np.allclose(found.q[..., 6], found.value)
+    row, branch = np.nonzero(found.reached)
+    assert np.abs(panda.fk(found.q[row, branch]) - poses[row]).max() < 1e-9
+    one = panda.ik_all(poses[0], locked={panda.joint_names[6]: values[0, 10, 0]})
+    part = slice(80, 88)
+    assert (one.q == found.q[0, part]).all()
+    srs = ik.Robot.load("redundant7")
+    angles = srs.ik_all(srs.fk(srs.random_q(seed=2)), sweep=8)
+    assert angles.q.shape == (64, 7)
+    assert len(np.unique(angles.value)) == 8
+    cucumber = ik.Robot.load("cucumber")
+    slide = cucumber.ik_all(cucumber.fk(cucumber.random_q(seed=3)), sweep=5)
+    assert (np.unique(slide.value) == np.linspace(cucumber.lower[0], cucumber.upper[0], 5)).all()
+    nowhere = np.eye(4)
+    nowhere[0, 3] = 30.0
+    assert panda.ik_all(nowhere, sweep=4).status == Status.NOT_FOUND
+
+
+def test_five_joints_reach_a_point_and_an_axis() -> None:
+    for given in REFERENCE["axis_task_5R"].values():
+        arm = of_reference(given)
+        for target in given["targets"]:
+            axis = np.array(target["axis"])
+            task = ik.tasks.Axis(tool_axis=(0, 0, 1), direction=tuple(axis))
+            found = arm.ik_all(target["point"], task=task)
+            missing, extra = matched(found.q[found.reached], np.array(target["branches"]))
+            assert max(missing.max(), extra.max()) < 1e-8
+            q = np.array(target["made_from"])
+            pose = arm.fk(q)
+            full = arm.ik_all(pose)
+            assert full.status == Status.CONVERGED
+            assert holds(arm.ik_all(pose[None]), q[None]).all()
+            assert full.orientation_error < 1e-9
+            about = np.eye(4)
+            c, s = np.cos(0.2), np.sin(0.2)
+            about[:2, :2] = [[c, -s], [s, c]]
+            much = arm.ik_all(pose @ about)
+            assert much.status == Status.OVERDETERMINED
+            assert 0.0 < much.orientation_error <= 0.2 + 1e-9
+
+
+def test_three_joints_reach_a_point() -> None:
+    for given in REFERENCE["point_task_3R"].values():
+        arm = of_reference(given)
+        for target in given["targets"]:
+            found = arm.ik_all(target["point"])
+            missing, extra = matched(found.q[found.reached], np.array(target["branches"]))
+            assert max(missing.max(), extra.max()) < 1e-8
+            much = arm.ik_all(np.vstack([np.c_[np.eye(3), target["point"]], [0, 0, 0, 1]]))
+            assert much.status == Status.OVERDETERMINED
+            assert much.orientation_error > 1e-3
+
+
+def test_what_nothing_here_solves_says_so() -> None:
+    arm = ik.Robot.load("strawberry")
+    found = arm.ik_all(arm.fk(arm.random_q(2, seed=1)))
+    assert (found.status == Status.UNSUPPORTED).all()
+    assert not found.reached.any()
+
+
+def moved(given: dict[str, Any], base: Array, tool: Array, factor: float = 1.0) -> Robot:
+    turn, shift = base[:3, :3], base[:3, 3]
+    axes = np.array(given["axes"]) @ turn.T
+    points = (np.array(given["points"]) @ turn.T + shift) * factor
+    end = base @ np.array(given["tool"]) @ tool
+    end[:3, 3] *= factor
+    return robot(axes, points, end)
+
+
+def random_frame(rng: np.random.Generator) -> Array:
+    q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    frame = np.eye(4)
+    frame[:3, :3] = q * np.sign(np.linalg.det(q))
+    frame[:3, 3] = rng.uniform(-0.5, 0.5, 3)
+    return frame
+
+
+@pytest.mark.parametrize("name", ["ur5", "crx10ia", "hydrolek", "jaco_j2n6"])
+def test_scale_base_and_tool_change_nothing(name: str) -> None:
+    given = SIX[name]
+    rng = np.random.default_rng(8)
+    q = rng.uniform(-np.pi, np.pi, (50, 6))
+    plain = of_reference(given)
+    counts = plain.ik_all(plain.fk(q)).reached.sum(axis=1)
+    for factor in (1.0, 1e3, 1e-3):
+        other = moved(given, random_frame(rng), random_frame(rng), factor)
+        found = other.ik_all(other.fk(q), position_tolerance=1e-6 * max(factor, 1e-3))
+        assert holds(found, q).all()
+        assert (found.reached.sum(axis=1) == counts).all()
+
+
+@pytest.mark.parametrize("name", ["ur5", "crx10ia", "hydrolek"])
+def test_the_ring_cut_elsewhere(name: str) -> None:
+    """The ring of joints and goal read from another joint on is an arm with as many branches."""
+    given = SIX[name]
+    axes, points = np.array(given["axes"]), np.array(given["points"])
+    plain = robot(axes, points, np.eye(4))
+    q = np.random.default_rng(9).uniform(-np.pi, np.pi, (20, 6))
+    for one in q:
+        goal = plain.fk(one)
+        back = np.linalg.inv(goal)
+        for first in range(1, 6):
+            seen_axes = axes[:first] @ back[:3, :3].T
+            seen_points = points[:first] @ back[:3, :3].T + back[:3, 3]
+            ring = robot(
+                np.vstack([axes[first:], seen_axes]),
+                np.vstack([points[first:], seen_points]),
+                np.eye(4),
+            )
+            turned = np.roll(one, -first)
+            assert np.abs(ring.fk(turned) - goal).max() < 1e-9
+            if first in (2, 4):
+                found = ring.ik_all(goal)
+                wanted = plain.ik_all(goal)
+                assert found.reached.sum() == wanted.reached.sum()
+
+
+@pytest.mark.parametrize("digits", [4, 6])
+@pytest.mark.parametrize("name", ["ur5", "puma560", "hydrolek"])
+def test_rounded_angles_are_the_given_arm(name: str, digits: int) -> None:
+    """Directions rounded as URDF angles are: not the neighbouring exact arm."""
+    given = SIX[name]
+    rng = np.random.default_rng(10)
+    angles = np.round(rng.uniform(-1, 1, (6, 3)) * 10.0**-digits, digits + 1)
+    axes = np.array(given["axes"]) + angles
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    arm = robot(axes, given["points"], np.array(given["tool"]))
+    exact = of_reference(given)
+    q = rng.uniform(-np.pi, np.pi, (100, 6))
+    poses = arm.fk(q)
+    found = arm.ik_all(poses)
+    row, branch = np.nonzero(found.reached)
+    assert np.abs(arm.fk(found.q[row, branch]) - poses[row]).max() < 1e-9
+    assert holds(found, q).all()
+    same = found.reached.sum(axis=1) == exact.ik_all(exact.fk(q)).reached.sum(axis=1)
+    assert same.mean() > 0.95
+
+
+@pytest.mark.parametrize("name", ["ur5", "crx10ia", "hydrolek", "m1013"])
+def test_bits_do_not_depend_on_the_batch(name: str) -> None:
+    arm = of_reference(SIX[name])
+    poses = arm.fk(np.random.default_rng(11).uniform(-np.pi, np.pi, (200, 6)))
+    whole = arm.ik_all(poses, threads=1)
+    split = arm.ik_all(poses, threads=2)
+    for what in ("q", "reached", "valid", "status", "warnings"):
+        assert (getattr(whole, what) == getattr(split, what)).all()
+        parts = [getattr(arm.ik_all(poses[a:b]), what) for a, b in ((0, 7), (7, 200))]
+        assert (np.concatenate(parts) == getattr(whole, what)).all()
+    for i in range(20):
+        assert (arm.ik_all(poses[i]).q == whole.q[i]).all()
+
+
+def test_a_tool_of_the_call() -> None:
+    arm = of_reference(SIX["jaco_j2n6"])
+    tool = random_frame(np.random.default_rng(12))
+    q = np.random.default_rng(13).uniform(-np.pi, np.pi, (20, 6))
+    assert holds(arm.ik_all(arm.fk(q) @ tool, tool=tool), q).all()
+
+
+def test_wrong_arguments_say_what_was_expected() -> None:
+    panda = ik.Robot.load("panda")
+    pose = panda.fk(panda.random_q(seed=1))
+    last = panda.joint_names[6]
+    with pytest.raises(UnknownNameError, match="joint"):
+        panda.ik_all(pose, locked={"j99": 0.1})
+    with pytest.raises(ArgumentError, match="within its limits"):
+        panda.ik_all(pose, locked={last: 50.0})
+    with pytest.raises(ArgumentError, match="locked"):
+        panda.ik_all(pose, locked={last: [0.1, 0.2]})
+    for wrong in (0, -1, 2.5, True, "many"):
+        with pytest.raises(ArgumentError, match="sweep"):
+            panda.ik_all(pose, sweep=wrong)  # type: ignore[arg-type]
+    with pytest.raises(ArgumentError, match="sweep"):
+        panda.ik_all(pose, sweep=3, locked={last: 0.1})
+    with pytest.raises(ArgumentError, match="sweep"):
+        of_reference(SIX["ur5"]).ik_all(pose, sweep=3)
+    with pytest.raises(ArgumentError, match="rigid"):
+        panda.ik_all(2.0 * np.eye(4))
+    with pytest.raises(ArgumentError, match="arm_angle"):
+        panda.ik_all(pose, arm_angle=0.1)
+    assert panda.ik_all(pose, locked={last: np.nan}).status == Status.BAD_INPUT
