@@ -1,0 +1,50 @@
+"""Drivers of the strawberry and the tomato rig over a serial line (extra ``drivers``).
+
+Boards, wiring and calibration are described in ``docs/hardware.md``. ``port="simulated"`` runs
+the boards' own programs in a simulator, wired to a simulated plant.
+"""
+
+from ._calibration import AxisCalibration, Calibration, GripperCalibration, ServoCalibration
+from ._clearance import Surroundings
+from ._errors import (
+    CalibrationError,
+    ClearanceError,
+    CommandRefusedError,
+    LinkError,
+    RigError,
+    RigFaultError,
+    SimulatorError,
+    WrongDeviceError,
+)
+from ._link import Link, LinkStatistics
+from ._rig import RigStatus
+from ._simulator import Simulator
+from ._strawberry import Arrival, Run, StrawberryRig
+from ._tomato import TomatoRig
+from ._transport import SerialTransport, Transport
+
+__all__ = [
+    "Arrival",
+    "AxisCalibration",
+    "Calibration",
+    "CalibrationError",
+    "ClearanceError",
+    "CommandRefusedError",
+    "GripperCalibration",
+    "Link",
+    "LinkError",
+    "LinkStatistics",
+    "RigError",
+    "RigFaultError",
+    "RigStatus",
+    "Run",
+    "SerialTransport",
+    "ServoCalibration",
+    "Simulator",
+    "SimulatorError",
+    "StrawberryRig",
+    "Surroundings",
+    "TomatoRig",
+    "Transport",
+    "WrongDeviceError",
+]

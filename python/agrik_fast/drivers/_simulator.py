@@ -1,0 +1,278 @@
+"""A rig in a box: the board's own program in a simulator, wired to a simulated plant.
+
+Time stands still but while somebody waits for the board, so that a run is the same, bit for
+bit, however busy the machine is.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import signal
+import subprocess
+import threading
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Literal, Self
+
+from ._errors import LinkError, SimulatorError
+
+FREQUENCY = 16_000_000
+"""Cycles of the boards, 1/s."""
+
+BOARDS = {"strawberry": "mega2560", "tomato": "mega8"}
+_TOOLS = ("make", "cc", "avr-gcc", "pkg-config")
+_SIGNALS = {signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}
+
+
+def firmware_folder() -> Path:
+    """Return the folder of the firmware: ``AGRIK_FIRMWARE``, or that of the checkout.
+
+    Raises
+    ------
+    SimulatorError
+        There is none: an installed package has no firmware.
+    """
+    given = os.environ.get("AGRIK_FIRMWARE")
+    folder = Path(given) if given else Path(__file__).resolve().parents[3] / "firmware"
+    if not (folder / "messages.toml").is_file():
+        raise SimulatorError(
+            f"the simulated rig needs a checkout, but {folder} holds no firmware; "
+            "set AGRIK_FIRMWARE to its folder firmware"
+        )
+    return folder
+
+
+def built(name: str) -> Path:
+    """Return a built file of the firmware, which is made if it is not there.
+
+    Raises
+    ------
+    SimulatorError
+        It cannot be made; the message says what is missing.
+    """
+    folder = firmware_folder()
+    path = folder / "build" / name
+    if path.exists():
+        return path
+    missing = [tool for tool in _TOOLS if shutil.which(tool) is None]
+    if missing:
+        raise SimulatorError(
+            f"the simulated rig is not built and cannot be: {', '.join(missing)} missing; "
+            "`make firmware` says what to install (as root on Debian it does)"
+        )
+    made = subprocess.run(
+        ["make", "-C", str(folder), f"build/{name}"], capture_output=True, text=True, check=False
+    )
+    if made.returncode or not path.exists():
+        lines = (made.stderr or made.stdout).strip().splitlines() or ["no reason given"]
+        raise SimulatorError(f"the simulated rig cannot be built (`make firmware`): {lines[-1]}")
+    return path
+
+
+class Simulator:
+    """The board's program in simavr, with its plant.
+
+    A transport of `Link`: reading lets time pass.
+
+    Parameters
+    ----------
+    rig : {"strawberry", "tomato"}
+        Which.
+    test_build : bool, default False
+        The program that can be told to hang.
+    numbers : mapping, optional
+        Numbers of the plant by name, see `set`; those of the servos are set beforehand.
+
+    Raises
+    ------
+    SimulatorError
+        It is not built and cannot be.
+
+    Examples
+    --------
+    ``Simulator("strawberry")`` goes where a port's name would: ``StrawberryRig(simulator)``.
+    """
+
+    def __init__(
+        self,
+        rig: Literal["strawberry", "tomato"] = "strawberry",
+        *,
+        test_build: bool = False,
+        numbers: Mapping[str, float] | None = None,
+    ) -> None:
+        self.name = "simulated"
+        self.rig = rig
+        board = BOARDS[rig]
+        program = built(f"{board}{'-test' if test_build else ''}.elf")
+        self._lock = threading.RLock()
+        self._lines = bytearray()
+        self._arrived = bytearray()
+        self._sent = 0
+        self._given = 0
+        self._cycle = 0
+        self._process = subprocess.Popen(
+            [built("simulator"), f"at{board}", program],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            bufsize=0,
+            start_new_session=True,  # Ctrl-C is for whoever drives it
+        )
+        for name, value in {**plant_numbers(rig), **(numbers or {})}.items():
+            self.set(name, value)
+        # Until the board has started, it hears nothing.
+        self.run(0.005)
+
+    def _ask(self, command: str) -> str:
+        # A signal between question and answer would leave the answer to the next question.
+        with self._lock, _held_signals():
+            if self._process.poll() is not None:
+                raise SimulatorError("the simulator ended")
+            assert self._process.stdin and self._process.stdout
+            try:
+                self._process.stdin.write(f"{command}\n".encode())
+                while b"\n" not in self._lines:
+                    more = os.read(self._process.stdout.fileno(), 1 << 16)
+                    if not more:
+                        raise SimulatorError("the simulator ended")
+                    self._lines += more
+            except OSError as error:
+                raise SimulatorError(f"the simulator ended: {error}") from None
+            line, _, self._lines = self._lines.partition(b"\n")
+        answer = line.decode()
+        if answer.startswith("error "):
+            raise SimulatorError(f"{answer.removeprefix('error ')} ({command.split()[0]})")
+        return answer
+
+    def set(self, name: str, value: float) -> None:
+        """Set a number of the plant: ``slide0.jammed``, ``servo2.noise``, ``cable``, ``estop``."""
+        self._ask(f"set {name} {value!r}")
+
+    def state(self) -> dict[str, float]:
+        """Return where everything is: ``carriage0`` (mm), ``count0``, ``angle0`` (degrees), ..."""
+        pairs = (word.split("=") for word in self._ask("state").split())
+        return {name: float(value) for name, value in pairs}
+
+    def trace(self, file: Path | None, every: float = 0.01) -> None:
+        """Write a row of counts, carriages and servos to a CSV file every so many seconds."""
+        self._ask(f"trace {'-' if file is None else file.resolve()} {1e6 * every!r}")
+
+    def _run(self, seconds: float, stop: bool, data: bytes = b"") -> None:
+        cycles = max(int(seconds * FREQUENCY), 1)
+        cycle, arrived, taken, given = self._ask(
+            f"run {cycles} {int(stop)} {data.hex()}".rstrip()
+        ).split()
+        self._cycle = int(cycle)
+        self._sent += len(data)
+        if arrived != "-":
+            self._arrived += bytes.fromhex(arrived)
+            self._given += len(arrived) // 2
+        # Both sides state their totals: a lost byte is a fault of the pipe, not of the line.
+        if int(given) != self._given or int(taken) > self._sent:
+            raise SimulatorError(f"totals differ: {given} and {self._given} bytes from the board")
+
+    def run(self, seconds: float) -> None:
+        """Let time pass."""
+        with self._lock:
+            end = self._cycle + int(seconds * FREQUENCY)
+            while self._cycle < end:
+                self._run((end - self._cycle) / FREQUENCY, stop=False)
+
+    # ---- transport ---------------------------------------------------------------------------
+
+    def write(self, data: bytes) -> None:
+        """Put bytes on the line."""
+        with self._lock:
+            try:
+                self._run(0, stop=False, data=data)
+            except SimulatorError as error:
+                raise LinkError(self.name, f"the line broke: {error}") from None
+
+    def read(self, timeout: float) -> bytes:
+        """Return what has come, letting up to `timeout` seconds pass."""
+        with self._lock:
+            if not self._arrived:
+                try:
+                    self._run(timeout, stop=True)
+                except SimulatorError as error:
+                    raise LinkError(self.name, f"the line broke: {error}") from None
+            data, self._arrived = bytes(self._arrived), bytearray()
+        return data
+
+    def now(self) -> float:
+        """Return the simulated time, s."""
+        return self._cycle / FREQUENCY
+
+    def sleep(self, seconds: float) -> None:
+        """Let time pass."""
+        self.run(seconds)
+
+    def close(self) -> None:
+        """End the simulator."""
+        process = self._process
+        for stream in (process.stdin, process.stdout):
+            if stream:
+                with contextlib.suppress(OSError):
+                    stream.close()
+        if process.poll() is None:
+            try:
+                process.wait(2)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+@contextlib.contextmanager
+def _held_signals() -> Iterator[None]:
+    """Let signals wait that would otherwise raise in the main thread."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def plant_numbers(rig: str) -> dict[str, float]:
+    """Return the servos' numbers of a plant, from ``firmware/servos.toml``."""
+    import tomllib
+
+    servos = tomllib.loads((firmware_folder() / "servos.toml").read_text(encoding="utf-8"))
+    if rig == "strawberry":
+        places = [("HS-422", 0.0, -95.0, 95.0)] * 4
+    else:
+        # The horn's middle, and the stops, degrees.
+        places = [
+            ("HD-6001HB", 90.0, 5.0, 175.0),
+            ("HD-6001HB", -90.0, -175.0, -5.0),
+            ("HS-311", 0.0, -62.0, 62.0),
+        ]
+    numbers: dict[str, float] = {}
+    for index, (kind, middle, low, high) in enumerate(places):
+        servo = servos[kind]
+        numbers |= {
+            f"servo{index}.us_per_degree": servo["us_per_deg"],
+            f"servo{index}.zero_us": 1500.0 - middle * servo["us_per_deg"],
+            f"servo{index}.rate": servo["deg_per_s"],
+            f"servo{index}.dead_band": servo["dead_band_us"],
+            f"servo{index}.low": low,
+            f"servo{index}.high": high,
+            f"servo{index}.angle": middle,
+        }
+    return numbers

@@ -1,0 +1,240 @@
+"""The tomato rig: three servos whose pulses the board ramps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._checks import FloatArray, float_array, real_number, truth_value
+from ..arms import Outcome, TomatoArm
+from ..errors import ArgumentError
+from ._calibration import Calibration
+from ._errors import RigError
+from ._messages import Board, Flags, Report, Servos, Type
+from ._rig import Progress, Rig, RigStatus, finite, within
+from ._transport import Transport
+
+__all__ = ["TomatoRig"]
+
+_JOINTS = ("phi1", "phi2", "phi3")
+# The board's slowest ramp over a servo's whole range, and more.
+_LONGEST_S = 10.0
+_SERVOS_MOVING = 0x80
+
+
+class TomatoRig(Rig):
+    """The tomato pointing arm on an ATmega8.
+
+    Joint values are phi1 (shoulder), phi2 (elbow) and phi3 (pan), rad. As a context manager it
+    connects, and holds the arm where it is when the block ends. Threads may share it.
+
+    Parameters
+    ----------
+    port : str or Transport, default "simulated"
+        What pyserial takes; ``"simulated"`` starts the firmware in a simulator, with its plant.
+    calibration : str, Path or Calibration, optional
+        File, or what was read from it; the bundled one by default.
+    timeout, tries, log
+        Of the `Link`.
+    progress : callable, optional
+        Told where the rig is while it moves.
+
+    Raises
+    ------
+    CalibrationError
+        The calibration file is faulty or that of another rig.
+    ArgumentError
+        A number is out of its range.
+
+    Examples
+    --------
+    With the simulator built (``make firmware``)::
+
+        with TomatoRig() as rig:
+            rig.home()
+            rig.move(target=[0.2, 0.05, 0.1])
+    """
+
+    name = "tomato"
+    board = Board.MEGA8
+    joint_names = _JOINTS
+
+    def __init__(
+        self,
+        port: str | Transport = "simulated",
+        *,
+        calibration: str | Path | Calibration | None = None,
+        timeout: float = 0.08,
+        tries: int = 5,
+        log: Path | str | None = None,
+        progress: Progress | None = None,
+    ) -> None:
+        super().__init__(
+            port,
+            calibration=calibration,
+            timeout=timeout,
+            tries=tries,
+            log=log,
+            progress=progress,
+        )
+        self.arm = TomatoArm()
+        self._commanded: FloatArray | None = None
+
+    @property
+    def lower(self) -> FloatArray:
+        """Smallest joint values, shape (3,), rad: the arm's, and what servos allow."""
+        own = np.array([servo.limits[0] for servo in self.calibration.servo])
+        return np.maximum(own, self.arm.lower)
+
+    @property
+    def upper(self) -> FloatArray:
+        """Largest joint values, shape (3,), rad."""
+        own = np.array([servo.limits[1] for servo in self.calibration.servo])
+        return np.minimum(own, self.arm.upper)
+
+    def _checked(self, argument: str, q: object) -> FloatArray:
+        values = finite(argument, q, (3,), "rad")
+        for name, value, low, high in zip(_JOINTS, values, self.lower, self.upper, strict=True):
+            within(name, value, low, high)
+        return values
+
+    def solve(self, target: ArrayLike) -> FloatArray:
+        """Return joint values, shape (3,), rad, that bring the tool point to a target.
+
+        Raises
+        ------
+        ArgumentError
+            It is out of reach, or no branch is within the servos' limits.
+        """
+        from ..arms import HOME
+
+        point = finite("target", target, (3,), "m")
+        current = HOME if self._commanded is None else self._commanded
+        found = self.arm.solve(point, current=current)
+        if not bool(found.success):
+            why = Outcome(int(found.outcome)).name.lower().replace("_", " ")
+            x, y, z = 1000 * point
+            text = f"({x:.1f}, {y:.1f}, {z:.1f}) mm, out of reach: {why}"
+            raise ArgumentError("target", text, "one in reach")
+        return np.asarray(found.q)
+
+    def _send(self, values: FloatArray, *, near: bool) -> None:
+        ticks = [
+            servo.ticks(angle)
+            for servo, angle in zip(self.calibration.servo, values, strict=True)
+        ]
+        flags = Flags.ENABLE | (Flags.NEAR if near else 0)
+        degrees = ", ".join(f"{angle:.1f}" for angle in np.degrees(values))
+        self._command(Type.SERVOS, Servos(flags, *ticks).pack(), f"a move to ({degrees}) degrees")
+        self._commanded = values
+
+    def home(self) -> None:
+        """Move to the pose that the arm starts from.
+
+        The first pulse after power comes without a ramp: the board cannot know where a servo is.
+        """
+        from ..arms import HOME
+
+        self.move(np.array(HOME))
+
+    def move(
+        self,
+        q: ArrayLike | None = None,
+        *,
+        target: ArrayLike | None = None,
+        near: bool = False,
+    ) -> RigStatus:
+        """Move to joint values or to a target, and wait until the pulses have arrived.
+
+        Parameters
+        ----------
+        q : array_like, shape (3,), rad
+            Joint values.
+        target : array_like, shape (3,), m
+            Instead: where the tool point is to go.
+        near : bool, default False
+            Slowly (60 instead of 200 degrees/s), near the fruit.
+
+        Returns
+        -------
+        RigStatus
+            Where it is.
+
+        Raises
+        ------
+        ArgumentError
+            Beyond the limits, or out of reach.
+        RigFaultError
+            The board stopped.
+        """
+        if (q is None) == (target is None):
+            raise ArgumentError("q, target", "both" if q is not None else "neither", "one of them")
+        near = truth_value("near", near)
+        values = self._checked("q", q) if target is None else self.solve(target)
+        with self._moving():
+            self._watch()
+            fresh = self._commanded is None
+            self._send(values, near=near)
+            report = self._wait(_SERVOS_MOVING, _LONGEST_S, "a move")
+            # The servos run behind their pulses; after power, by up to their whole range.
+            servos = self.calibration.servo
+            far = max(servo.limits[1] - servo.limits[0] for servo in servos) if fresh else 0.0
+            self._pause(far / min(servo.rate for servo in servos) + 0.1)
+            return self._status(report)
+
+    def follow(self, path: ArrayLike, *, rate: float = 30.0, near: bool = False) -> RigStatus:
+        """Send joint values at a rate, without waiting at each; then wait for the last.
+
+        Parameters
+        ----------
+        path : array_like, shape (n, 3), rad
+            Joint values.
+        rate : float, default 30.0, 1/s
+            Points a second.
+        near : bool, default False
+            As for `move`.
+
+        Raises
+        ------
+        ArgumentError
+            A point is beyond the limits: nothing moves.
+        """
+        given = float_array("path", path)
+        if given.ndim != 2 or given.shape[1] != 3 or not len(given):
+            raise ArgumentError("path", f"shape {given.shape}", "shape (n, 3), n >= 1")
+        rate = real_number("rate", rate, 0, 50, open_low=True, unit="1/s")
+        points = [self._checked(f"path[{i}]", point) for i, point in enumerate(given)]
+        with self._moving():
+            clock = self.link.transport
+            begin = clock.now()
+            for number, point in enumerate(points):
+                self._send(point, near=near)
+                left = begin + (number + 1) / rate - clock.now()
+                if left > 0:
+                    self._pause(left)
+            return self._status(self._wait(_SERVOS_MOVING, _LONGEST_S, "a path"))
+
+    def gripper(self, open: bool) -> None:  # noqa: A002 - the word for it
+        """Refuse: the tomato rig points, it has no gripper.
+
+        Raises
+        ------
+        RigError
+            Always.
+        """
+        raise RigError("the tomato rig has no gripper")
+
+    def release(self) -> None:
+        """End the pulses: the servos let go."""
+        with self._moving():
+            self.link.command(Type.SERVOS, Servos(0, 0, 0, 0).pack(), "to end the pulses")
+            self._commanded = None
+
+    def _q(self, report: Report) -> FloatArray:
+        q = np.full(3, np.nan)
+        for i, servo in enumerate(self.calibration.servo):
+            if ticks := report.servo[servo.index]:
+                q[i] = servo.angle(ticks)
+        return q
