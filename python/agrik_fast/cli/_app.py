@@ -235,6 +235,13 @@ def paper(
     force: Annotated[
         bool, typer.Option("--force", help="Write into a folder that holds files.")
     ] = False,
+    experiments: Annotated[
+        str | None,
+        typer.Option(
+            help="Strawberry: its 24 experiments by a model of their times (model, the default), "
+            "or also on the board's program in a simulator (firmware)."
+        ),
+    ] = None,
 ) -> None:
     """Compute a paper's tables and figures anew and write them to a folder.
 
@@ -247,7 +254,7 @@ def paper(
             say(f"{name}: {line}")
 
         kept.what = lambda: f"files that were finished are in {output}"
-        files = reproduce(name, output, report, force=force)
+        files = reproduce(name, output, report, force=force, experiments=experiments)
         with telling(f"files: {output}"):
             for file in files:
                 typer.echo(str(file))

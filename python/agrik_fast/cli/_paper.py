@@ -10,7 +10,12 @@ from ..errors import ArgumentError, UnknownNameError
 
 
 def reproduce(
-    name: str, directory: Path, report: Callable[[str], None], *, force: bool
+    name: str,
+    directory: Path,
+    report: Callable[[str], None],
+    *,
+    force: bool,
+    experiments: str | None = None,
 ) -> list[Path]:
     """Write the files of a paper into a folder and return their paths.
 
@@ -19,7 +24,7 @@ def reproduce(
     UnknownNameError
         No such paper.
     ArgumentError
-        The folder holds files and `force` is False.
+        The folder holds files and `force` is False, or `experiments` for another paper.
     AgrikError
         Matplotlib is missing.
     """
@@ -31,4 +36,4 @@ def reproduce(
         raise ArgumentError(
             "output", f"{directory}, which holds files", "an empty or new folder (or --force)"
         )
-    return papers.reproduce(name, directory, report)
+    return papers.reproduce(name, directory, report, experiments=experiments)

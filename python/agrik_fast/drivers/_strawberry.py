@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -453,7 +453,7 @@ class StrawberryRig(Rig):
         with self._moving():
             here = self._known("reset")
             height = self._least(
-                lambda extra: self._check_back(here, extra), given, float(here[2]), "the way back"
+                lambda extra: self._check_back(here, extra), given, float(here[2])
             )
             begin = self.link.transport.now()
             steps = [a for step in self.way_back(here, height) for a in self._carry_out(step)]
@@ -470,19 +470,38 @@ class StrawberryRig(Rig):
     # ---- clearance ---------------------------------------------------------------------------
 
     def _height(self, here: FloatArray, values: FloatArray, given: float | None) -> float:
-        def check(extra: float) -> None:
-            commands = self.arm.commands(values[:5], psi=float(values[5]), h_extra=extra)
-            self._check_way(here, commands, "way out", gentle=(7,))
-            self._check_back(values, extra)
+        return self._least(
+            lambda extra: self.check_ways(here, values, extra), given, float(values[2])
+        )
 
-        return self._least(check, given, float(values[2]), "the way")
+    def check_ways(self, here: ArrayLike, q: ArrayLike, h_extra: float) -> None:
+        """See whether `pick` and the way back stay clear of plant and bed.
+
+        Parameters
+        ----------
+        here, q : array_like, shape (5,) or (6,), m and rad
+            Where the arm is and where it would go.
+        h_extra : float, m
+            How far above its end it would wait.
+
+        Raises
+        ------
+        ClearanceError
+            Names the pair that would touch, and the step.
+        """
+        start = finite("here", here, (5, 6), "m and rad")
+        end = finite("q", q, (5, 6), "m and rad")
+        commands = self.arm.commands(end[:5], h_extra=h_extra)
+        self._check_way(start, commands, "way out", gentle=(7,))
+        self._check_back(end, h_extra)
 
     def _check_back(self, here: FloatArray, extra: float) -> None:
         self._check_way(here, self.way_back(here, extra), "way back", gentle=(0,))
 
-    def _least(self, check: object, given: float | None, s32: float, what: str) -> float:
+    def _least(
+        self, check: Callable[[float], None], given: float | None, s32: float
+    ) -> float:
         """Return the first height that passes a check; the given one must."""
-        assert callable(check)
         if self.surroundings is None:
             return H_EXTRA if given is None else given
         if given is not None:
@@ -504,9 +523,10 @@ class StrawberryRig(Rig):
     def _check_way(
         self, start: FloatArray, steps: Sequence[Command], way: str, gentle: tuple[int, ...]
     ) -> None:
-        assert self.surroundings is not None
+        if self.surroundings is None:
+            return
         order = self.joint_names
-        postures, names, soft = [start[:5].copy()], [], []
+        postures, names, soft = [start[:5].copy()], list[str](), list[bool]()
         for number, step in enumerate(steps):
             posture = postures[-1].copy()
             if step.axis in order[:5]:

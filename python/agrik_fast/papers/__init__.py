@@ -17,7 +17,13 @@ PAPERS = ("strawberry", "tomato", "hydrolek", "redundant7")
 """Names of the papers, each a package here."""
 
 
-def reproduce(name: str, directory: Path, report: Callable[[str], None]) -> list[Path]:
+def reproduce(
+    name: str,
+    directory: Path,
+    report: Callable[[str], None],
+    *,
+    experiments: str | None = None,
+) -> list[Path]:
     """Write the tables and figures of a paper into a folder.
 
     Parameters
@@ -28,6 +34,9 @@ def reproduce(name: str, directory: Path, report: Callable[[str], None]) -> list
         Folder, made if need be; files of the same names are replaced.
     report : callable
         Told what is being worked on.
+    experiments : {"model", "firmware"}, optional
+        Strawberry alone: the 24 experiments by the model of their times, which is the default,
+        or also on the board's program in a simulator.
 
     Returns
     -------
@@ -38,17 +47,22 @@ def reproduce(name: str, directory: Path, report: Callable[[str], None]) -> list
     ------
     UnknownNameError
         No such paper.
+    ArgumentError
+        `experiments` for a paper that has none.
     AgrikError
         Matplotlib is missing.
     """
-    from ..errors import UnknownNameError
+    from ..errors import ArgumentError, UnknownNameError
 
     if name not in PAPERS:
         raise UnknownNameError("paper", name, PAPERS)
+    if experiments is not None and name != "strawberry":
+        raise ArgumentError("experiments", f"{experiments!r} for {name}", "it for strawberry alone")
     # Whether figures can be drawn shows before minutes of computing, not after.
     from ._output import figure
 
     figure(1.0, 1.0)
     module = importlib.import_module(f".{name}", __name__)
-    files: list[Path] = module.reproduce(directory, report=report)
+    more = {} if experiments is None else {"experiments": experiments}
+    files: list[Path] = module.reproduce(directory, report=report, **more)
     return files

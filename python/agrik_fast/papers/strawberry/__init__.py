@@ -4,12 +4,12 @@
 mechanism of an agricultural robot", Int. J. Mechanisms and Robotic Systems 4(1), 43-60.
 """
 
-from ._published import EXPERIMENT_ROWS, SPHERE_CENTRE, SPHERE_RADIUS, published, targets
+from ._experiments import Experiment, execution_time, experiments
+from ._published import SPHERE_CENTRE, SPHERE_RADIUS, published, targets
 from ._reproduce import reproduce
-from ._tables import Cell, Experiment, execution_time, experiments, table3
+from ._tables import Cell, table3
 
 __all__ = [
-    "EXPERIMENT_ROWS",
     "SPHERE_CENTRE",
     "SPHERE_RADIUS",
     "Cell",

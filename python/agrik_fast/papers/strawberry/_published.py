@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import math
 from importlib import resources
 from typing import Literal
 
@@ -26,18 +25,8 @@ FIGURE_TARGET = np.array([0.426, 0.345, -0.33161])
 TABLE4_TARGETS = np.array([[0.580, 0.310, -0.3779], [0.565, 0.420, -0.3401]])
 """Targets of table 4, m."""
 
-EXPERIMENT_ROWS = (1, 2, 9, 7, 13, 11, 16, 17)
-"""Rows of table 3 for the experiments, two a quadrant: the paper names only two of its
-eight targets (rows 9 and 13); the others are our choice."""
-
-SLIDE_SPEED = 0.374
+MOTOR_SPEED = 0.374
 """Belt speed, m/s, at the motors' 200 rpm: 22 teeth of 5.1 mm pitch a turn."""
-
-SERVO_SPEED = math.radians(60) / 0.21
-"""HS-422 without load at 4.8 V, rad/s; data sheet value from memory."""
-
-GRIPPER_TIME = 0.25
-"""Opening or closing, s; assumed."""
 
 TABLE4_COLUMNS: tuple[Column, ...] = ("ncos", "as", "ssas", "exact")
 """Methods of table 4, and the exact minimum."""

@@ -5,13 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from ..._checks import word
 from ...arms import StrawberryArm
 from . import _figures
 from ._published import FIGURE_TARGET, Column
 from ._tables import write_tables
 
+EXPERIMENTS = ("model", "firmware")
+"""How the 24 experiments can be done."""
 
-def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -> list[Path]:
+
+def reproduce(
+    directory: Path,
+    *,
+    report: Callable[[str], None] | None = None,
+    experiments: str = "model",
+) -> list[Path]:
     """Write tables 3 and 4, figures 2 and 4-6, table 4's poses and the 24 experiments.
 
     Parameters
@@ -20,12 +29,23 @@ def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -
         Folder, made if need be; files of the same names are replaced.
     report : callable, optional
         Told what is being worked on.
+    experiments : {"model", "firmware"}
+        The 24 experiments by the model of their times alone, or also on the board's program in
+        a simulator.
 
     Returns
     -------
     list of Path
         The files.
+
+    Raises
+    ------
+    UnknownNameError
+        `experiments` is another word.
+    SimulatorError
+        The simulator is not built and cannot be.
     """
+    word("experiments", experiments, EXPERIMENTS)
     say = report or (lambda line: None)
     directory.mkdir(parents=True, exist_ok=True)
     arm = StrawberryArm()
@@ -42,4 +62,8 @@ def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -
     for name, method in poses.items():
         files += _figures.pose(directory, name, FIGURE_TARGET, method, arm)
     files += _figures.table4(directory, arm)
+    if experiments == "firmware":
+        from . import _firmware
+
+        files += _firmware.write(directory, _firmware.outcomes(say))
     return files
