@@ -14,7 +14,7 @@ static inline uint16_t crc16_update(uint16_t crc, uint8_t byte)
 {
     crc ^= (uint16_t)((uint16_t)byte << 8);
     for (int i = 0; i < 8; i++)
-        crc = (uint16_t)(crc & 0x8000U ? (crc << 1) ^ 0x1021U : crc << 1);
+        crc = (uint16_t)(crc & 0x8000 ? (crc << 1) ^ 0x1021 : crc << 1);
     return crc;
 }
 #endif

@@ -11,7 +11,7 @@ int16_t pid_tick(struct pid *pid, const struct gains *gains, int32_t lag, int32_
     /* Shifts, not divisions: those are what costs on this processor. */
     int16_t error = (int16_t)clamped(lag, 0x7FFF);
     int16_t wanted = (int16_t)(speed >> 16);                        /* times 2^8 */
-    int16_t behind = (int16_t)clamped(wanted - ((int32_t)moved << 6), 0x7FFF);
+    int16_t behind = (int16_t)clamped(wanted - (int32_t)moved * 64, 0x7FFF);
     int32_t output = ((int32_t)gains->kp * error) >> 8;
     output += ((int32_t)gains->kv * wanted) >> 12;
     output += ((int32_t)gains->kd * behind) >> 12;
