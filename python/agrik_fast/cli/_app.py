@@ -258,3 +258,67 @@ def paper(
         with telling(f"files: {output}"):
             for file in files:
                 typer.echo(str(file))
+
+
+@app.command()
+def drive(
+    rig: Annotated[str, typer.Argument(help="strawberry or tomato.")],
+    targets: Annotated[
+        Path,
+        typer.Option(
+            help="Points: .csv, .npy, .npz or .parquet; columns x,y,z without a unit are mm."
+        ),
+    ],
+    port: Annotated[
+        str,
+        typer.Option(
+            help="simulated (the firmware in a simulator), or what pyserial takes: /dev/ttyACM0, "
+            "COM3, socket://host:port."
+        ),
+    ] = "simulated",
+    calibration: Annotated[
+        Path | None, typer.Option(help="Calibration file; the bundled one by default.")
+    ] = None,
+    method: Annotated[
+        str, typer.Option(help="Strawberry: exact, as, ssas or ncos, for the joint values.")
+    ] = "exact",
+    psi: Annotated[float, typer.Option(help="Strawberry: turn of the gripper in degrees.")] = 0.0,
+    h_extra: Annotated[
+        float | None,
+        typer.Option(
+            help="Strawberry: how far above its end the arm waits, in mm; by default 30, or as "
+            "much more as keeps it clear of the plant."
+        ),
+    ] = None,
+    near: Annotated[
+        bool, typer.Option("--near", help="Tomato: slowly, 60 instead of 200 degrees/s.")
+    ] = False,
+    log: Annotated[
+        Path | None, typer.Option(help="File that every frame on the line is written to.")
+    ] = None,
+) -> None:
+    """Drive the strawberry or the tomato rig from target to target.
+
+    A table shows where it is. Ctrl-C stops the motors first. At the first target that cannot be
+    driven to the motors stop, and the rest of the list is named. Needs the extra `drivers`, and
+    for the simulated rig a checkout with `make firmware`.
+    """
+    with exit_codes() as kept:
+        from ._drive import DriveRequest, Row, count, drive_words
+
+        rows: list[Row] = []
+        kept.what = lambda: f"motors are stopped; {count(rows)}" if rows else "nothing has moved"
+        request = DriveRequest(
+            rig=rig,
+            port=port,
+            targets=targets,
+            calibration=calibration,
+            method=method,
+            psi_deg=psi,
+            h_extra_mm=h_extra,
+            near=near,
+            log=log,
+        )
+        drive_words(request, rows)
+        with telling():
+            typer.echo(count(rows))

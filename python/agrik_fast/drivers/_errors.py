@@ -12,6 +12,7 @@ __all__ = [
     "ClearanceError",
     "CommandRefusedError",
     "LinkError",
+    "OutOfReachError",
     "RigError",
     "RigFaultError",
     "SimulatorError",
@@ -151,6 +152,35 @@ class ClearanceError(RigError, ValueError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.part, self.obstacle, self.step, self.depth)
+
+
+class OutOfReachError(RigError, ValueError):
+    """No joint values bring the tool point to a target.
+
+    Parameters
+    ----------
+    target : sequence of float, m
+        The target.
+    reason : str
+        What is lacking.
+
+    Attributes
+    ----------
+    target, reason
+        The parameters.
+    """
+
+    target: tuple[float, ...]
+    reason: str
+
+    def __init__(self, target: Iterable[float], reason: str) -> None:
+        self.target = tuple(float(value) for value in target)
+        self.reason = reason
+        shown = ", ".join(f"{1000 * value:.1f}" for value in self.target)
+        super().__init__(f"the target ({shown}) mm is out of reach: {reason}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.target, self.reason)
 
 
 class CalibrationError(RigError, ValueError):

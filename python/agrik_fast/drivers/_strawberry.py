@@ -16,7 +16,7 @@ from ..arms import Command, StrawberryArm
 from ..errors import ArgumentError
 from ._calibration import Calibration
 from ._clearance import Surroundings
-from ._errors import ClearanceError, RigError
+from ._errors import ClearanceError, OutOfReachError, RigError
 from ._messages import Board, Home, Move, Report, Servo, Type
 from ._rig import Progress, Rig, finite, within
 from ._transport import Transport
@@ -180,8 +180,10 @@ class StrawberryRig(Rig):
 
         Raises
         ------
+        OutOfReachError
+            The message says which slide lacks how much.
         ArgumentError
-            It is out of reach; the message says which slide lacks how much.
+            It is no point.
         """
         point = finite("target", target, (3,), "m")
         found = self.arm.solve(point, method)
@@ -192,10 +194,7 @@ class StrawberryRig(Rig):
             why = "slides s21 and s32 cannot both reach it"
             if place != Place.THETA:
                 why = f"slide {place.name.lower()} lacks {abs(gap):.1f} mm"
-            x, y, z = 1000 * point
-            raise ArgumentError(
-                "target", f"({x:.1f}, {y:.1f}, {z:.1f}) mm, out of reach: {why}", "one in reach"
-            )
+            raise OutOfReachError(point, why)
         return np.asarray(found.q)
 
     # ---- motions -----------------------------------------------------------------------------
@@ -310,7 +309,7 @@ class StrawberryRig(Rig):
 
         Raises
         ------
-        ArgumentError
+        ArgumentError, OutOfReachError
             Beyond the limits, or out of reach.
         ClearanceError
             Plant or bed are in the way: nothing moves.
@@ -393,7 +392,7 @@ class StrawberryRig(Rig):
 
         Raises
         ------
-        ArgumentError
+        ArgumentError, OutOfReachError
             Beyond the limits, or out of reach.
         ClearanceError
             The way out or the way back would touch plant or bed: nothing moves.
@@ -492,7 +491,7 @@ class StrawberryRig(Rig):
         start = finite("here", here, (5, 6), "m and rad")
         end = finite("q", q, (5, 6), "m and rad")
         commands = self.arm.commands(end[:5], h_extra=h_extra)
-        self._check_way(start, commands, "way out", gentle=(7,))
+        self._check_way(start, commands, "way out", gentle=(7, 8))
         self._check_back(end, h_extra)
 
     def _check_back(self, here: FloatArray, extra: float) -> None:

@@ -11,7 +11,7 @@ from .._checks import FloatArray, float_array, real_number, truth_value
 from ..arms import Outcome, TomatoArm
 from ..errors import ArgumentError
 from ._calibration import Calibration
-from ._errors import RigError
+from ._errors import OutOfReachError, RigError
 from ._messages import Board, Flags, Report, Servos, Type
 from ._rig import Progress, Rig, RigStatus, finite, within
 from ._transport import Transport
@@ -105,8 +105,10 @@ class TomatoRig(Rig):
 
         Raises
         ------
+        OutOfReachError
+            Too far, too near, or no branch is within the servos' limits.
         ArgumentError
-            It is out of reach, or no branch is within the servos' limits.
+            It is no point.
         """
         from ..arms import HOME
 
@@ -115,9 +117,7 @@ class TomatoRig(Rig):
         found = self.arm.solve(point, current=current)
         if not bool(found.success):
             why = Outcome(int(found.outcome)).name.lower().replace("_", " ")
-            x, y, z = 1000 * point
-            text = f"({x:.1f}, {y:.1f}, {z:.1f}) mm, out of reach: {why}"
-            raise ArgumentError("target", text, "one in reach")
+            raise OutOfReachError(point, why)
         return np.asarray(found.q)
 
     def _send(self, values: FloatArray, *, near: bool) -> None:
@@ -164,7 +164,7 @@ class TomatoRig(Rig):
 
         Raises
         ------
-        ArgumentError
+        ArgumentError, OutOfReachError
             Beyond the limits, or out of reach.
         RigFaultError
             The board stopped.

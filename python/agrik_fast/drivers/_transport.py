@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from typing import Any, Protocol
 
@@ -91,6 +92,7 @@ class SerialTransport:
 
 def _brief(error: BaseException) -> str:
     """Return a message on one line, without what repeats the port's name."""
-    text = " ".join(str(error).split())
-    reason = getattr(error, "strerror", None)
-    return str(reason).lower() if reason else text or type(error).__name__
+    number = getattr(error, "errno", None)
+    if isinstance(number, int):
+        return os.strerror(number).lower()
+    return " ".join(str(error).split()) or type(error).__name__
