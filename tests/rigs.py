@@ -1,6 +1,8 @@
 """What tests of firmware and drivers share: whether there is a simulator, and rigs in it."""
 
 import contextlib
+import shutil
+import subprocess
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
@@ -14,6 +16,12 @@ FIRMWARE = Path(__file__).resolve().parents[1] / "firmware"
 
 
 def _why_not() -> str:
+    if shutil.which("avr-gcc") and shutil.which("make"):
+        # What is tested is what the sources say now.
+        make = ["make", "-C", str(FIRMWARE), "boards", "build/simulator"]
+        made = subprocess.run(make, capture_output=True, text=True, check=False)
+        if made.returncode:
+            raise RuntimeError(made.stderr)
     try:
         for name in ("simulator", "mega2560.elf", "mega2560-test.elf", "mega8.elf"):
             built(name)
@@ -102,7 +110,7 @@ def moving(rig: StrawberryRig, axis: int, mm: float, wait: float = 0.4) -> Itera
     rig.link.command(Type.MOVE, Move(axis, count, speed).pack())
     simulator = simulator_of(rig)
     simulator.run(wait)
-    assert simulator.state()[f"driven{axis}"]
+    assert simulator.state()[f"speed{axis}"] > 100
     yield simulator
 
 

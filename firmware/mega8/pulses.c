@@ -21,19 +21,24 @@ void pulses_init(void)
 
 ISR(TIMER1_COMPA_vect)
 {
+    /* What was made ready the last time: all edges come equally late. */
+    static uint8_t pin;
+    static uint16_t length = FRAME;
+    PORTB = (PORTB & ~PINS) | pin;
+    OCR1A += length;
+
     static uint8_t slot;
     static uint16_t used;
-    PORTB &= ~PINS;
     while (slot < SERVOS && !pulse[slot])
         slot++;
     if (slot < SERVOS) {
-        uint16_t length = pulse[slot];
-        PORTB |= 1 << PB1 << slot;
-        OCR1A += length;
+        pin = 1 << PB1 << slot;
+        length = pulse[slot];
         used += length;
         slot++;
     } else {
-        OCR1A += FRAME - used;
+        pin = 0;
+        length = FRAME - used;
         used = 0;
         slot = 0;
     }

@@ -149,7 +149,7 @@ class Simulator:
 
     def set(self, name: str, value: float) -> None:
         """Set a number of the plant: ``slide0.jammed``, ``servo2.noise``, ``cable``, ``estop``."""
-        self._ask(f"set {name} {value!r}")
+        self._ask(f"set {name} {float(value)!r}")
 
     def state(self) -> dict[str, float]:
         """Return where everything is: ``carriage0`` (mm), ``count0``, ``angle0`` (degrees), ..."""
