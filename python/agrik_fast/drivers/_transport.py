@@ -87,7 +87,11 @@ class SerialTransport:
 
     def close(self) -> None:
         """Give the line up."""
+        # pyserial leaves a socket open whose other end has gone.
+        connection = getattr(self._port, "_socket", None)
         self._port.close()
+        if connection is not None:
+            connection.close()
 
 
 def _brief(error: BaseException) -> str:
