@@ -64,6 +64,16 @@ def test_pick_and_reset_by_remark_3() -> None:
 
 
 @needs_simulator
+def test_reset_at_home_stays_there() -> None:
+    with strawberry() as rig:
+        rig.home()
+        # Homing ends within the play, so that the slide seems to be above home.
+        assert rig.status().q[2] < rig.arm.reset_pose[2]
+        rig.reset()
+        assert rig.status().q[:3] == pytest.approx(rig.arm.reset_pose[:3], abs=0.5e-3)
+
+
+@needs_simulator
 def test_play_is_compensated_when_it_is_calibrated() -> None:
     with strawberry({f"slide{i}.play": 1.0 for i in range(3)}, surroundings=None) as rig:
         rig.home()

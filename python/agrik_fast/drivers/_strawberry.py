@@ -424,7 +424,8 @@ class StrawberryRig(Rig):
         """
         values = finite("q", q, (5, 6), "m and rad")
         home = self.arm.reset_pose
-        lifted = max(float(values[2]) - h_extra, min(float(home[2]), float(values[2])))
+        # Home is as high as it goes; within the play of the slide it may seem to be higher.
+        lifted = max(float(values[2]) - h_extra, float(home[2]))
         return [
             Command("s32", lifted),
             Command("psi", 0.0),
