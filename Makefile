@@ -20,6 +20,7 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run test lint format bench callgrind aarch64 sanitize miri wheel docs clean build oracle \
+	firmware rigs rigs-full \
 	damaged fuzz-arms fuzz-sample robustness rust-lint rust-test python-lint python-test
 
 help: ## say what every target does
@@ -58,6 +59,17 @@ miri: ## the lane types under Miri (needs a nightly toolchain with the component
 	.ci/miri
 	.ci/stamp write miri
 
+firmware: ## the boards' programs and the simulated rigs (sets itself up on Debian as root)
+	.ci/firmware
+	$(MAKE) -C firmware
+
+rigs: build $(VENV)/.dev ## the tests of firmware, plant and drivers alone
+	$(PY) -m pytest -m rigs
+
+rigs-full: build $(VENV)/.dev firmware ## an hour of simulated work and faults of each rig
+	PYTHONPATH=tests $(PY) tests/rigs_soak.py --minutes 60
+	$(PY) -m pytest tests/drivers/test_link.py --requests 5000
+
 damaged: build $(VENV)/.dev ## 2,000 damaged files: no traceback, < 500 MB, < 5 s each
 	$(PY) tests/io/damaged_files.py --files 2000
 
@@ -80,7 +92,7 @@ docs: build $(VENV)/.docs ## the documentation as HTML in docs/_build/html; a wa
 
 clean: ## remove what the other targets made, the environments included
 	cargo clean
-	rm -rf .venv .venv-* dist docs/_build docs/_generated examples/results benches/results
+	rm -rf firmware/build .venv .venv-* dist docs/_build docs/_generated examples/results benches/results
 	rm -rf .mypy_cache .pytest_cache .ruff_cache .hypothesis
 	rm -f python/agrik_fast/_native*.so
 	find python tests examples benches docs tools -name __pycache__ -prune -exec rm -rf {} +
@@ -113,8 +125,11 @@ python-lint: build $(VENV)/.dev
 	$(PY) -m mypy
 	$(PY) -m mypy.stubtest --concise agrik_fast._native
 
+# MARK='not rigs' leaves out what `make rigs` does.
 python-test: build $(VENV)/.dev
-	$(PY) -m pytest
+	$(PY) -m pytest $(if $(MARK),-m '$(MARK)')
+	@command -v avr-gcc >/dev/null || \
+		echo "NOT CHECKED: firmware and rigs, for want of an AVR compiler (see make firmware)"
 
 # ---- environments: a stamp file for each, so that a second call is quick ------------------------
 

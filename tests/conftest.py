@@ -18,6 +18,17 @@ hypothesis.settings.register_profile(
 hypothesis.settings.load_profile("agrik_fast")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Let `make rigs-full` ask for more than the tests usually do."""
+    parser.addoption("--requests", type=int, default=500, help="requests on noisy lines")
+
+
+@pytest.fixture(scope="session")
+def requests_count(request: pytest.FixtureRequest) -> int:
+    """Return how many requests go over a noisy line."""
+    return int(request.config.getoption("--requests"))
+
+
 @pytest.fixture(scope="session")
 def repo_root() -> Path:
     """Return the folder that holds pyproject.toml."""

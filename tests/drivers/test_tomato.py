@@ -6,9 +6,9 @@ import pytest
 from agrik_fast.arms import HOME
 from agrik_fast.drivers import OutOfReachError, RigError, RigStatus, TomatoRig
 from agrik_fast.errors import ArgumentError
-from rigs import needs_simulator, simulator_of, tomato
+from rigs import SIMULATOR, simulator_of, tomato
 
-pytestmark = needs_simulator
+pytestmark = SIMULATOR
 
 
 def tip(rig: TomatoRig) -> np.ndarray:

@@ -10,9 +10,9 @@ import pytest
 
 from agrik_fast.drivers import Calibration, TomatoRig
 from agrik_fast.drivers._messages import Move, Servos, State, Type
-from rigs import FIRMWARE, changed, needs_simulator, simulator_of, strawberry, tomato
+from rigs import FIRMWARE, changed, SIMULATOR, simulator_of, strawberry, tomato
 
-pytestmark = needs_simulator
+pytestmark = SIMULATOR
 PLAYLESS = {f"slide{i}.play": 0.0 for i in range(3)}
 
 

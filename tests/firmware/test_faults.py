@@ -4,9 +4,9 @@ import pytest
 
 from agrik_fast.drivers import CommandRefusedError, LinkError, RigFaultError
 from agrik_fast.drivers._messages import Move, Servos, Type
-from rigs import motors_off_at, moving, needs_simulator, simulator_of, strawberry, tomato
+from rigs import motors_off_at, moving, SIMULATOR, simulator_of, strawberry, tomato
 
-pytestmark = needs_simulator
+pytestmark = SIMULATOR
 
 
 def assert_nothing_moves_until_cleared(rig) -> None:  # type: ignore[no-untyped-def]

@@ -12,9 +12,9 @@ import pytest
 
 from agrik_fast.drivers import Link, LinkError, RigFaultError, StrawberryRig
 from agrik_fast.drivers._messages import Board
-from rigs import FIRMWARE, needs_simulator
+from rigs import FIRMWARE, SIMULATOR
 
-pytestmark = [needs_simulator, pytest.mark.timeout(300)]
+pytestmark = [*SIMULATOR, pytest.mark.timeout(300)]
 
 
 class Box:

@@ -2,10 +2,10 @@
 
 import pytest
 
-from rigs import needs_simulator
+from rigs import SIMULATOR
 from rigs_soak import soak
 
-pytestmark = [needs_simulator, pytest.mark.timeout(600)]
+pytestmark = [*SIMULATOR, pytest.mark.timeout(600)]
 
 
 @pytest.mark.parametrize("rig", ["strawberry", "tomato"])

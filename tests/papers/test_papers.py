@@ -96,18 +96,6 @@ def test_strawberry_tables_on_file(folders: dict[str, Path]) -> None:
         np.testing.assert_allclose(arm.fk([*q, *angles]), target, rtol=0, atol=1e-5)
 
 
-def test_strawberry_experiments_cover_the_quadrants() -> None:
-    runs = strawberry.experiments()
-    assert len(runs) == 24
-    assert {(run.quadrant, run.column) for run in runs} == {
-        (quadrant, column) for quadrant in (1, 2, 3, 4) for column in ("ncos", "ssas", "as")
-    }
-    for run in runs:
-        x, y, _ = strawberry.targets()[run.row - 1] - strawberry.SPHERE_CENTRE
-
-        assert 1.0 < run.seconds < 6.0
-
-
 def test_tomato_table_1(folders: dict[str, Path]) -> None:
     rows = {row.method: row for row in tomato.table1()}
     assert all(row.reached == row.of for row in rows.values())

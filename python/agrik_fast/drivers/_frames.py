@@ -6,15 +6,24 @@ The twin of ``firmware/link/frame.c``; a test feeds both the same bytes.
 from __future__ import annotations
 
 import binascii
+import functools
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from cobs import cobs
-
+from ._errors import RigError
 from ._messages import PAYLOAD_MAX
 
 HEAD, CRC = 2, 2
 LONGEST = HEAD + PAYLOAD_MAX + CRC
+
+
+@functools.cache
+def _cobs() -> Any:
+    try:
+        from cobs import cobs
+    except ImportError:
+        raise RigError("drivers need cobs and pyserial: the extra agrik_fast[drivers]") from None
+    return cobs
 
 
 class Frame(NamedTuple):
@@ -38,7 +47,7 @@ def encode(frame: Frame) -> bytes:
     if len(frame.payload) > PAYLOAD_MAX:
         raise ValueError(f"a payload of {len(frame.payload)} bytes, at most {PAYLOAD_MAX} fit")
     body = bytes((frame.type, frame.sequence)) + frame.payload
-    return cobs.encode(body + binascii.crc_hqx(body, 0xFFFF).to_bytes(2, "little")) + b"\0"
+    return bytes(_cobs().encode(body + binascii.crc_hqx(body, 0xFFFF).to_bytes(2, "little"))) + b"\0"
 
 
 class FrameReader:
@@ -67,8 +76,9 @@ class FrameReader:
                 yield frame
 
     def _decode(self, piece: bytes) -> Frame | None:
+        cobs = _cobs()
         try:
-            body = cobs.decode(piece)
+            body: bytes = cobs.decode(piece)
         except cobs.DecodeError:
             body = b""
         if not HEAD + CRC <= len(body) <= LONGEST:
