@@ -21,7 +21,7 @@ extensions = [
     "sphinx.ext.mathjax",
     "sphinx.ext.napoleon",
 ]
-exclude_patterns = ["_build", "_generated"]
+exclude_patterns = ["_build", "_generated", "hardware"]
 myst_enable_extensions = ["deflist", "dollarmath"]
 myst_heading_anchors = 3
 
@@ -42,6 +42,7 @@ html_sidebars = {
     "population": [],
     "paths": [],
     "closed-forms": [],
+    "hardware": [],
 }
 
 # The API pages are read from the sources and, for the compiled module, from its stub,

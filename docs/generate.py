@@ -5,6 +5,7 @@ import math
 from pathlib import Path
 
 import architecture_picture
+import hardware_pictures
 import matplotlib as mpl
 import numpy as np
 
@@ -222,6 +223,7 @@ def main(folder: Path) -> None:
     hydrolek.reproduce(folder / "papers" / "hydrolek")
     redundant7.reproduce(folder / "papers" / "redundant7", repeats=200)
     architecture_picture.main(folder / "architecture")
+    hardware_pictures.main(folder / "hardware")
     methods = folder / "methods"
     methods.mkdir(exist_ok=True)
     draw_laws(methods)

@@ -250,13 +250,14 @@ class StrawberrySoak(Soak):
         drove = max(state[f"last_drive{i}"] for i in range(3)) / 16e6 - self.put_at
         if drove > 0.51:
             self.wrong(f"cable: motors had current for {drove:.2f} s")
-        return "none" if drove < 0.465 else "link_timeout"
+        # The silence began with the last frame before the cut, up to a poll earlier.
+        if 0.465 < drove < 0.5:
+            return self.rig.status().fault
+        return "none" if drove <= 0.465 else "link_timeout"
 
     def watch(self, status: RigStatus) -> None:
         # Homing names its faults otherwise; the tests of single faults look at that.
-        if status.state == "moving" and not (
-            self.put_in == "jam" and not self.quick(status)
-        ):
+        if status.state == "moving" and not (self.put_in == "jam" and not self.quick(status)):
             super().watch(status)
 
     def quick(self, status: RigStatus) -> bool:

@@ -85,8 +85,8 @@ def _class(name: str) -> str:
 def python_module(data: dict[str, Any]) -> str:
     """Return the text of _messages.py."""
     lines = [f'"""{NOTE}"""', "", "from __future__ import annotations", ""]
-    lines += ["import struct", "from enum import IntEnum"]
-    lines += ["from typing import NamedTuple", ""]
+    lines += ["import struct", "from dataclasses import dataclass", "from enum import IntEnum"]
+    lines += ["from typing import ClassVar", ""]
     lines += [f"{name.upper()} = {value}" for name, value in data["link"].items()]
     for table, (title, text) in ENUMS.items():
         lines += ["", "", f"class {title}(IntEnum):", f'    """{text}"""', ""]
@@ -102,10 +102,10 @@ def python_module(data: dict[str, Any]) -> str:
             continue
         parts = [(field, *_python_field(kind)) for field, kind in fields]
         form = "<" + "".join(code for _, _, code in parts)
-        lines += ["", "", f"class {_class(name)}(NamedTuple):"]
+        lines += ["", "", "@dataclass(frozen=True, slots=True)", f"class {_class(name)}:"]
         lines += [f'    """Payload of `Type.{name.upper()}`."""', ""]
         lines += [f"    {field}: {kind}" for field, kind, _ in parts]
-        lines += ["", f'    FORM = struct.Struct("{form}")']
+        lines += ["", f'    FORM: ClassVar[struct.Struct] = struct.Struct("{form}")']
         lines += ["", "    def pack(self) -> bytes:", '        """Return the payload."""']
         values = ", ".join(
             f"*self.{field}" if kind.startswith("tuple") else f"self.{field}"

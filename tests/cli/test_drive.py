@@ -121,7 +121,9 @@ def test_calibration_of_another_rig(tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text(text)
     file = targets(tmp_path, GOOD)
     told = one_line(
-        run_command("drive", "strawberry", "--targets", file, "--calibration", tmp_path / "mine.toml")
+        run_command(
+            "drive", "strawberry", "--targets", file, "--calibration", tmp_path / "mine.toml"
+        )
     )
     assert "mine.toml: 1 fault; [rig], name: a calibration of the tomato rig, expected one" in told
 
@@ -131,7 +133,9 @@ def test_words_of_options_are_in_their_errors(tmp_path: Path) -> None:
     file = targets(tmp_path, GOOD)
     told = one_line_of_last(run_command("drive", "strawberry", "--targets", file, "--psi", 120))
     assert "`psi`: expected -90.00 to 90.00 degrees, got 120.00 degrees" in told
-    told = one_line_of_last(run_command("drive", "strawberry", "--targets", file, "--method", "best"))
+    told = one_line_of_last(
+        run_command("drive", "strawberry", "--targets", file, "--method", "best")
+    )
     assert "unknown method 'best'" in told
 
 

@@ -29,7 +29,9 @@ def test_bundled_files_are_sound(name: str) -> None:
     found = Calibration.load(name, name)
     assert found.rig.name == name
     for servo in found.servo:
-        assert abs(servo.angle(servo.ticks(0.3 if servo.limits[0] < 0.3 < servo.limits[1] else 0.0)))
+        assert abs(
+            servo.angle(servo.ticks(0.3 if servo.limits[0] < 0.3 < servo.limits[1] else 0.0))
+        )
         low, high = servo.limits
         assert servo.angle(servo.ticks(low)) == pytest.approx(low, abs=1e-3)
         assert high - low > 1.9
@@ -59,7 +61,11 @@ def test_bundled_files_are_sound(name: str) -> None:
         ("lower_us = 600", "lower_us = 100", "[[servo]] row 1, lower_us: input should be greater"),
         ("index = 1", "index = 0", "two servos have the same index: [0, 0, 2, 3]"),
         ("[gripper]", "[griper]", "unknown key"),
-        ("kp = 300", 'kp = "high"', "[[axis]] row 1, kp: input should be a valid number, got 'high"),
+        (
+            "kp = 300",
+            'kp = "high"',
+            "[[axis]] row 1, kp: input should be a valid number, got 'high",
+        ),
         ("kp = 300", "kp = 30000", "kp is too large for the board: 71528 of 65535"),
         ("format = 1", "format 1", "not a TOML file"),
     ],

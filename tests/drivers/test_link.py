@@ -77,8 +77,9 @@ def test_another_device_answers() -> None:
 
 
 def test_an_echo_is_no_board() -> None:
-    with pytest.raises(WrongDeviceError, match="loop://: what is there sends back what it gets"):
-        with Link("loop://", timeout=0.01) as link:
+    with Link("loop://", timeout=0.01) as link:
+        expected = "loop://: what is there sends back what it gets"
+        with pytest.raises(WrongDeviceError, match=expected):
             link.hello(patience=0.05)
 
 
@@ -164,9 +165,9 @@ def test_late_and_foreign_answers_are_no_answers() -> None:
 
 
 def test_another_echo_is_told() -> None:
-    with Link(Answering(lambda f: encode(Frame(Type.PONG, f.sequence, b"x")))) as link:
-        with pytest.raises(LinkError, match="the echo of PING is another one"):
-            link.ping(b"y")
+    link = Link(Answering(lambda f: encode(Frame(Type.PONG, f.sequence, b"x"))))
+    with pytest.raises(LinkError, match="the echo of PING is another one"):
+        link.ping(b"y")
 
 
 @needs_simulator
@@ -319,7 +320,9 @@ def test_every_frame_is_in_the_log(tmp_path: Path) -> None:
     assert lines[2][4] == lines[3][4] == "0102" and requests == 2
 
 
-def test_the_log_is_begun_anew_when_it_is_long(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_log_is_begun_anew_when_it_is_long(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("agrik_fast.drivers._link._LOG_BYTES", 2000)
     file = tmp_path / "frames.log"
     with Link(Answering(identity()), log=file) as link:
@@ -382,5 +385,7 @@ def test_a_socket_is_a_line_too(server: str) -> None:
 
 
 def test_report_is_what_the_specification_says() -> None:
-    report = Report(1, 2, 3, 4, 5, 6, 7, (8, -9, 10), (11, -12, 13), (14, 15, 16, 17), 1, 2, 3, 4, 5)
+    report = Report(
+        1, 2, 3, 4, 5, 6, 7, (8, -9, 10), (11, -12, 13), (14, 15, 16, 17), 1, 2, 3, 4, 5
+    )
     assert Report.unpack(report.pack()) == report

@@ -111,7 +111,7 @@ def test_follow_goes_through_every_point() -> None:
         with pytest.raises(ArgumentError, match=r"`path`: expected shape \(n, 5\) or \(n, 6\)"):
             rig.follow([[0.1, 0.1]])
         before = rig.link.report().position
-        with pytest.raises(ArgumentError, match="`s21`: expected 80.00 to 920.00 mm, got 999.00"):
+        with pytest.raises(ArgumentError, match=r"`s21`: expected 80.00 to 920.00 mm, got 999.00"):
             rig.follow([path[0], [0.1, 0.999, 0.07, 0, 0]])
         assert rig.link.report().position == before
 
@@ -135,7 +135,7 @@ def test_beyond_soft_limits() -> None:
             with pytest.raises(ArgumentError, match=message):
                 rig.move(q)  # type: ignore[arg-type]
         # The board has limits of its own, should a program get past these.
-        with pytest.raises(CommandRefusedError, match="a move of s10 to 661.9 mm: out of limits"):
+        with pytest.raises(CommandRefusedError, match=r"a move of s10 to 661.9 mm: out of limits"):
             rig._slide({0: 0.6619})
         assert rig.status().state == "idle"
 
@@ -173,7 +173,7 @@ def test_not_connected() -> None:
 
 def test_no_firmware_and_no_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("AGRIK_FIRMWARE", str(tmp_path))
-    with pytest.raises(SimulatorError, match="needs a checkout, but .* holds no firmware"):
+    with pytest.raises(SimulatorError, match=r"needs a checkout, but .* holds no firmware"):
         StrawberryRig().connect()
     (tmp_path / "messages.toml").write_text("")
     monkeypatch.setattr(simulator_module.shutil, "which", lambda name: None)
@@ -239,7 +239,7 @@ def test_depths_against_many_points() -> None:
 @needs_simulator
 def test_an_exception_stops_what_moves() -> None:
     rig = strawberry()
-    with pytest.raises(ZeroDivisionError), rig:
+    with pytest.raises(ZeroDivisionError), rig:  # noqa: PT012 - what a program would do
         rig.home()
         simulator, original = simulator_of(rig), rig.link.transport.close
 

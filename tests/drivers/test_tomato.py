@@ -72,7 +72,7 @@ def test_follow_at_thirty_a_second() -> None:
         assert len(seen) > 60
         with pytest.raises(ArgumentError, match=r"`path`: expected shape \(n, 3\), n >= 1"):
             rig.follow([])
-        with pytest.raises(ArgumentError, match="`phi3`: expected -60.00 to 60.00 degrees, got"):
+        with pytest.raises(ArgumentError, match=r"`phi3`: expected -60.00 to 60.00 degrees, got"):
             rig.follow([HOME, [1.0, -1.5, 2.0]])
         with pytest.raises(ArgumentError, match="`rate`"):
             rig.follow(path, rate=0)
@@ -84,7 +84,7 @@ def test_what_is_refused() -> None:
             rig.move(target=[0.9, 0.0, 0.0])
         with pytest.raises(OutOfReachError, match="is out of reach: servo limit"):
             rig.move(target=[-0.2, 0.0, -0.1])
-        with pytest.raises(ArgumentError, match="`phi1`: expected 7.50 to 172.50 degrees, got 0"):
+        with pytest.raises(ArgumentError, match=r"`phi1`: expected 7.50 to 172.50 degrees, got 0"):
             rig.move([0.0, -1.5, 0.0])
         with pytest.raises(ArgumentError, match="`target`: expected finite numbers, m"):
             rig.move(target=[0.2, np.nan, 0.0])

@@ -10,7 +10,7 @@ import pytest
 
 from agrik_fast.drivers import Calibration, TomatoRig
 from agrik_fast.drivers._messages import Move, Servos, State, Type
-from rigs import FIRMWARE, changed, SIMULATOR, simulator_of, strawberry, tomato
+from rigs import FIRMWARE, SIMULATOR, changed, simulator_of, strawberry, tomato
 
 pytestmark = SIMULATOR
 PLAYLESS = {f"slide{i}.play": 0.0 for i in range(3)}

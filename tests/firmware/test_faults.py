@@ -4,7 +4,7 @@ import pytest
 
 from agrik_fast.drivers import CommandRefusedError, LinkError, RigFaultError
 from agrik_fast.drivers._messages import Move, Servos, Type
-from rigs import motors_off_at, moving, SIMULATOR, simulator_of, strawberry, tomato
+from rigs import SIMULATOR, motors_off_at, moving, simulator_of, strawberry, tomato
 
 pytestmark = SIMULATOR
 

@@ -1,4 +1,4 @@
-"""Two simulated minutes of each rig with random targets and faults; `make rigs-full` has an hour."""
+"""Two simulated minutes of each rig with random targets and faults; `rigs-full` has an hour."""
 
 import pytest
 

@@ -101,6 +101,12 @@ def test_all_24_runs_on_firmware_and_plant(tmp_path: Path, repo_root: Path) -> N
     assert [row["time_published_s"] for row in rows if row["time_published_s"]] == [
         *("6", "4", "4", "4", "6", "6")
     ]
-    # What the documentation shows is what comes out.
-    kept = repo_root / "docs" / "hardware"
-    assert (kept / "experiments24.csv").read_text() == (tmp_path / "experiments24.csv").read_text()
+    # What the documentation shows is what comes out, but for what other compilers and another
+    # SciPy change in the last digits.
+    with (repo_root / "docs/hardware/experiments24.csv").open() as stream:
+        for shown, row in zip(csv.DictReader(stream), rows, strict=True):
+            assert shown["method"] == row["method"]
+            assert float(shown["time_s"]) == pytest.approx(float(row["time_s"]), abs=0.05)
+            for axis in "xyz":
+                name = f"error_{axis}_mm"
+                assert float(shown[name]) == pytest.approx(float(row[name]), abs=0.3)

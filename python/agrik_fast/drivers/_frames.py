@@ -47,7 +47,9 @@ def encode(frame: Frame) -> bytes:
     if len(frame.payload) > PAYLOAD_MAX:
         raise ValueError(f"a payload of {len(frame.payload)} bytes, at most {PAYLOAD_MAX} fit")
     body = bytes((frame.type, frame.sequence)) + frame.payload
-    return bytes(_cobs().encode(body + binascii.crc_hqx(body, 0xFFFF).to_bytes(2, "little"))) + b"\0"
+    return (
+        bytes(_cobs().encode(body + binascii.crc_hqx(body, 0xFFFF).to_bytes(2, "little"))) + b"\0"
+    )
 
 
 class FrameReader:

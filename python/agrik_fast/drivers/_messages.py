@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import struct
+from dataclasses import dataclass
 from enum import IntEnum
-from typing import NamedTuple
+from typing import ClassVar
 
 VERSION = 1
 BAUD = 115200
@@ -95,14 +96,15 @@ class Type(IntEnum):
     ACK = 0x90
 
 
-class Move(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Move:
     """Payload of `Type.MOVE`."""
 
     axis: int
     target: int
     speed: int
 
-    FORM = struct.Struct("<BiH")
+    FORM: ClassVar[struct.Struct] = struct.Struct("<BiH")
 
     def pack(self) -> bytes:
         """Return the payload."""
@@ -115,13 +117,14 @@ class Move(NamedTuple):
         return cls(values[0], values[1], values[2])
 
 
-class Servo(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Servo:
     """Payload of `Type.SERVO`."""
 
     index: int
     ticks: int
 
-    FORM = struct.Struct("<BH")
+    FORM: ClassVar[struct.Struct] = struct.Struct("<BH")
 
     def pack(self) -> bytes:
         """Return the payload."""
@@ -134,12 +137,13 @@ class Servo(NamedTuple):
         return cls(values[0], values[1])
 
 
-class Home(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Home:
     """Payload of `Type.HOME`."""
 
     mask: int
 
-    FORM = struct.Struct("<B")
+    FORM: ClassVar[struct.Struct] = struct.Struct("<B")
 
     def pack(self) -> bytes:
         """Return the payload."""
@@ -152,7 +156,8 @@ class Home(NamedTuple):
         return cls(values[0])
 
 
-class Configure(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Configure:
     """Payload of `Type.CONFIGURE`."""
 
     axis: int
@@ -170,7 +175,7 @@ class Configure(NamedTuple):
     kv: int
     friction: int
 
-    FORM = struct.Struct("<BiiHHHHHHHHHHH")
+    FORM: ClassVar[struct.Struct] = struct.Struct("<BiiHHHHHHHHHHH")
 
     def pack(self) -> bytes:
         """Return the payload."""
@@ -213,7 +218,8 @@ class Configure(NamedTuple):
         )
 
 
-class Servos(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Servos:
     """Payload of `Type.SERVOS`."""
 
     flags: int
@@ -221,7 +227,7 @@ class Servos(NamedTuple):
     elbow: int
     pan: int
 
-    FORM = struct.Struct("<BHHH")
+    FORM: ClassVar[struct.Struct] = struct.Struct("<BHHH")
 
     def pack(self) -> bytes:
         """Return the payload."""
@@ -234,7 +240,8 @@ class Servos(NamedTuple):
         return cls(values[0], values[1], values[2], values[3])
 
 
-class Identity(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Identity:
     """Payload of `Type.IDENTITY`."""
 
     version: int
@@ -242,7 +249,7 @@ class Identity(NamedTuple):
     build: bytes
     reset: int
 
-    FORM = struct.Struct("<BB8sB")
+    FORM: ClassVar[struct.Struct] = struct.Struct("<BB8sB")
 
     def pack(self) -> bytes:
         """Return the payload."""
@@ -255,7 +262,8 @@ class Identity(NamedTuple):
         return cls(values[0], values[1], values[2], values[3])
 
 
-class Report(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Report:
     """Payload of `Type.REPORT`."""
 
     state: int
@@ -274,7 +282,7 @@ class Report(NamedTuple):
     skips: int
     clock: int
 
-    FORM = struct.Struct("<BBBBBBH3i3h4HHHBBI")
+    FORM: ClassVar[struct.Struct] = struct.Struct("<BBBBBBH3i3h4HHHBBI")
 
     def pack(self) -> bytes:
         """Return the payload."""
@@ -319,12 +327,13 @@ class Report(NamedTuple):
         )
 
 
-class Ack(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Ack:
     """Payload of `Type.ACK`."""
 
     code: int
 
-    FORM = struct.Struct("<B")
+    FORM: ClassVar[struct.Struct] = struct.Struct("<B")
 
     def pack(self) -> bytes:
         """Return the payload."""

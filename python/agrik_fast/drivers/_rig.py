@@ -6,7 +6,7 @@ import abc
 import contextlib
 import math
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -17,7 +17,7 @@ import numpy as np
 from .._checks import FloatArray
 from ..errors import ArgumentError
 from ._calibration import Calibration
-from ._errors import CommandRefusedError, LinkError, RigError, RigFaultError
+from ._errors import CommandRefusedError, RigError, RigFaultError
 from ._link import Link, LinkStatistics
 from ._messages import Board, Code, Fault, Identity, Report, State, Type
 from ._simulator import Simulator
@@ -150,7 +150,7 @@ class Rig(abc.ABC):
             raise
         return identity
 
-    def _prepare(self) -> None:
+    def _prepare(self) -> None:  # noqa: B027 - a board may have to know nothing
         """Tell the board what it has to know."""
 
     def close(self) -> None:
@@ -273,7 +273,7 @@ class Rig(abc.ABC):
             raise
 
     @contextlib.contextmanager
-    def _moving(self):  # type: ignore[no-untyped-def]
+    def _moving(self) -> Iterator[None]:
         """Have the rig to oneself; whatever goes wrong inside, what moves is stopped."""
         with self._motion:
             self._stopped.clear()
@@ -328,6 +328,3 @@ def within(name: str, value: float, low: float, high: float) -> None:
         raise ArgumentError(
             name, f"{shown[0]:.2f} {unit}", f"{shown[1]:.2f} to {shown[2]:.2f} {unit}"
         )
-
-
-__all__ = ["Progress", "Rig", "RigStatus", "LinkError"]

@@ -158,13 +158,10 @@ class StrawberryRig(Rig):
 
     def _limits(self) -> tuple[FloatArray, FloatArray]:
         quarter = math.pi / 2
-        low = [axis.lower_mm / 1000 for axis in self.calibration.axis]
-        high = [axis.upper_mm / 1000 for axis in self.calibration.axis]
-        own = [servo.limits for servo in self.calibration.servo]
-        low = np.array([*low, *(ends[0] for ends in own)])
-        high = np.array([*high, *(ends[1] for ends in own)])
-        low = np.maximum(low, [*self.arm.lower, -quarter])
-        high = np.minimum(high, [*self.arm.upper, quarter])
+        slides = [(axis.lower_mm / 1000, axis.upper_mm / 1000) for axis in self.calibration.axis]
+        own = np.array([*slides, *(servo.limits for servo in self.calibration.servo)])
+        low: FloatArray = np.maximum(own[:, 0], [*self.arm.lower, -quarter])
+        high: FloatArray = np.minimum(own[:, 1], [*self.arm.upper, quarter])
         return low, high
 
     def _checked(self, argument: str, q: object) -> FloatArray:
@@ -270,7 +267,7 @@ class StrawberryRig(Rig):
         self._pause(longest + _SERVO_LAG_S)
         return [Arrival(name, angle, begin, clock.now()) for name, angle in angles.items()]
 
-    def gripper(self, open: bool) -> Arrival:  # noqa: A002 - the word for it
+    def gripper(self, open: bool) -> Arrival:
         """Open or close the gripper and wait until that is done."""
         open = truth_value("open", open)  # noqa: A001
         gripper = self.calibration.gripper
@@ -452,9 +449,7 @@ class StrawberryRig(Rig):
         given = None if h_extra is None else real_number("h_extra", h_extra, 0, unit="m")
         with self._moving():
             here = self._known("reset")
-            height = self._least(
-                lambda extra: self._check_back(here, extra), given, float(here[2])
-            )
+            height = self._least(lambda extra: self._check_back(here, extra), given, float(here[2]))
             begin = self.link.transport.now()
             steps = [a for step in self.way_back(here, height) for a in self._carry_out(step)]
             end = np.append(self.arm.reset_pose, 0.0)
@@ -498,9 +493,7 @@ class StrawberryRig(Rig):
     def _check_back(self, here: FloatArray, extra: float) -> None:
         self._check_way(here, self.way_back(here, extra), "way back", gentle=(0,))
 
-    def _least(
-        self, check: Callable[[float], None], given: float | None, s32: float
-    ) -> float:
+    def _least(self, check: Callable[[float], None], given: float | None, s32: float) -> float:
         """Return the first height that passes a check; the given one must."""
         if self.surroundings is None:
             return H_EXTRA if given is None else given

@@ -86,13 +86,13 @@ class TomatoRig(Rig):
     def lower(self) -> FloatArray:
         """Smallest joint values, shape (3,), rad: the arm's, and what servos allow."""
         own = np.array([servo.limits[0] for servo in self.calibration.servo])
-        return np.maximum(own, self.arm.lower)
+        return np.asarray(np.maximum(own, self.arm.lower))
 
     @property
     def upper(self) -> FloatArray:
         """Largest joint values, shape (3,), rad."""
         own = np.array([servo.limits[1] for servo in self.calibration.servo])
-        return np.minimum(own, self.arm.upper)
+        return np.asarray(np.minimum(own, self.arm.upper))
 
     def _checked(self, argument: str, q: object) -> FloatArray:
         values = finite(argument, q, (3,), "rad")
@@ -122,8 +122,7 @@ class TomatoRig(Rig):
 
     def _send(self, values: FloatArray, *, near: bool) -> None:
         ticks = [
-            servo.ticks(angle)
-            for servo, angle in zip(self.calibration.servo, values, strict=True)
+            servo.ticks(angle) for servo, angle in zip(self.calibration.servo, values, strict=True)
         ]
         flags = Flags.ENABLE | (Flags.NEAR if near else 0)
         degrees = ", ".join(f"{angle:.1f}" for angle in np.degrees(values))
@@ -216,7 +215,7 @@ class TomatoRig(Rig):
                     self._pause(left)
             return self._status(self._wait(_SERVOS_MOVING, _LONGEST_S, "a path"))
 
-    def gripper(self, open: bool) -> None:  # noqa: A002 - the word for it
+    def gripper(self, open: bool) -> None:
         """Refuse: the tomato rig points, it has no gripper.
 
         Raises

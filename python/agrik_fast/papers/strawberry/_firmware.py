@@ -269,9 +269,9 @@ def report_lines(found: Sequence[Outcome]) -> list[str]:
         "s21 less; no travel time makes it otherwise. The paper reads its times to the second, "
         "which shifts a mean of eight by about 0.1 s.",
         "",
-        f"With h_extra = {1000 * H_EXTRA:.0f} mm, {len(touching)} of {len(found)} ways lead through "
-        "the sphere of leaves that table 3 was computed with; the last column of the table has "
-        "the least h_extra that keeps clear of it, which is what the driver takes by itself.",
+        f"With h_extra = {1000 * H_EXTRA:.0f} mm, {len(touching)} of {len(found)} ways lead "
+        "through the sphere of leaves that table 3 was computed with; the last column of the table "
+        "has the least h_extra that keeps clear of it, which is what the driver takes by itself.",
     ]
     return lines
 
@@ -280,7 +280,9 @@ def draw(directory: Path, found: Sequence[Outcome]) -> list[Path]:
     """Draw times and errors of all runs, and the encoders of three of them."""
     colors = {"ncos": "#3b5ba5", "ssas": "#c0532b", "as": "#2a7f62"}
     drawing = figure(10.0, 7.0)
-    times, errors = drawing.add_subplot(2, 2, 1), drawing.add_subplot(2, 2, 2)
+    halves: Any = drawing.subfigures(2, 1)
+    above, below = halves
+    times, errors = above.subplots(1, 2)
     times.axhspan(4, 6, color="#dddddd", label="published, 4 to 6 s")
     errors.axhspan(-10, 10, color="#dddddd", label="published, within 10 mm")
     for column in METHODS:
@@ -305,15 +307,19 @@ def draw(directory: Path, found: Sequence[Outcome]) -> list[Path]:
     errors.set_ylabel("tool point less target [mm]")
     for axes in (times, errors):
         axes.set_xlabel("run")
-        axes.legend(fontsize=7, ncols=2)
+        axes.legend(fontsize=6, ncols=3, loc="upper center")
+    times.set_ylim(3.6, 6.8)
+    errors.set_ylim(-12.0, 20.0)
     first = [one for one in found if one.experiment.number <= len(METHODS)]
-    for place, one in enumerate(first):
-        _draw_trace(drawing.add_subplot(2, 3, 4 + place), one)
+    for axes, one in zip(below.subplots(1, len(first)), first, strict=True):
+        _draw_trace(axes, one)
     return save(drawing, directory, "experiments24")
 
 
 def _draw_trace(axes: Any, one: Outcome) -> None:
-    for index, (name, color) in enumerate(zip(AXES, ("#888888", "#3b5ba5", "#c0532b"), strict=True)):
+    for index, (name, color) in enumerate(
+        zip(AXES, ("#888888", "#3b5ba5", "#c0532b"), strict=True)
+    ):
         axes.plot(one.trace[:, 0], one.trace[:, 1 + index], color=color, label=f"{name} [mm]")
     for index, name in enumerate(("theta", "beta")):
         axes.plot(one.trace[:, 0], one.trace[:, 4 + index], "--", label=f"{name} [degrees]")
