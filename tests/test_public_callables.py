@@ -21,6 +21,15 @@ import pytest
 import agrik_fast as ik
 from agrik_fast import _native
 from agrik_fast.arms import StrawberryArm, TomatoArm
+from agrik_fast.drivers import (
+    Link,
+    SerialTransport,
+    Simulator,
+    StrawberryRig,
+    TomatoRig,
+    Transport,
+)
+from agrik_fast.drivers._messages import Type
 from agrik_fast.errors import AgrikError
 from agrik_fast.tuning import Tuning
 
@@ -31,13 +40,14 @@ ELSEWHERE = ("agrik_fast.cli", "agrik_fast.io", "agrik_fast.jobs", "agrik_fast.p
 RECORDS = (BaseException, tuple, int, pydantic.BaseModel)
 # Records that the library makes and nobody else.
 ANSWERS = {
-    "Branches", "Command", "DhRow", "IkResult", "PacedResult", "Path", "Report", "Straightened",
-    "StrawberryResult", "TomatoBranches", "TomatoResult", "Torques",
+    "Arrival", "Branches", "Command", "DhRow", "IkResult", "LinkStatistics", "PacedResult", "Path",
+    "Report", "RigStatus", "Run", "Straightened", "StrawberryResult", "TomatoBranches",
+    "TomatoResult", "Torques",
 }  # fmt: skip
 # Objects and files, for which nothing but their own kind makes sense: what is none at all is the
 # type checker's business, as it is for `Robot(definition)`, which users do not call.
 OBJECTS = {
-    "checkpoint", "chunks", "content", "definition", "gain", "kind", "path", "report", "resume",
+    "checkpoint", "chunks", "content", "definition", "gain", "kind", "log", "path", "report", "resume",
     "robot", "source", "store", "tuning",
 }  # fmt: skip
 # Texts and paths: what is neither is a TypeError in Python's own words.
@@ -57,6 +67,14 @@ def receivers() -> dict[type, Any]:
         _native.TargetSolver: ARM.solver(),
         StrawberryArm: StrawberryArm(),
         TomatoArm: TomatoArm(),
+        # Not connected: rigs on simulators have tests of their own.
+        StrawberryRig: StrawberryRig("loop://"),
+        TomatoRig: TomatoRig("loop://"),
+        Link: Link("loop://", timeout=0.001, tries=1),
+        # Walked by their constructors alone, as they are lines that something else uses.
+        SerialTransport: None,
+        Simulator: None,
+        Transport: None,
     }
 
 
@@ -72,6 +90,8 @@ ARGUMENTS: dict[str, Any] = {
     "count": 3,
     "current": np.zeros(3),
     "frame": "base",
+    "h_extra": 0.03,
+    "here": StrawberryArm().reset_pose,
     "gain": ik.solvers.StaticGain(K=np.ones((7, 3))),
     "kind": ik.solvers.StaticGain,
     "max_joint_step": 0.1,
@@ -83,6 +103,8 @@ ARGUMENTS: dict[str, Any] = {
     "torque": 1.0,
     "name_or_path": "ur5",
     "path_or_text": '<robot name="r"/>',
+    "open": True,
+    "port": "loop://",
     "pose": POSES[0],
     "poses": POSES,
     "position": np.zeros(3),
@@ -99,12 +121,17 @@ ARGUMENTS: dict[str, Any] = {
     "tool": np.eye(4),
     "base": np.eye(4),
     "tuning": Tuning(goals=10, evaluations=4, runs=1, refinement=0),
+    "url": "loop://",
     "weights": (1, 1, 1, 0, 0, 0),
     "xyz": np.zeros(3),
 }
 # Those of one callable alone.
 EXACTLY: dict[str, Any] = {
     "StateSpace.A": np.zeros((3, 3)),
+    "Link.command.kind": Type.STOP,
+    "Link.request.kind": Type.PING,
+    "StrawberryRig.check_ways.q": StrawberryArm().reset_pose,
+    "StrawberryRig.way_back.q": StrawberryArm().reset_pose,
     "Tuning.solver": "state-space",
     "usual.solver": "state-space",
     "tune.robot": ik.Robot.load("hydrolek"),
@@ -160,7 +187,7 @@ def methods(kind: type) -> Iterator[tuple[str, Callable[..., Any]]]:
             continue
         if isinstance(raw, (classmethod, staticmethod)):
             yield f"{kind.__qualname__}.{name}", getattr(kind, name)
-        elif kind in receivers() and callable(raw):
+        elif receivers().get(kind) is not None and callable(raw):
             yield f"{kind.__qualname__}.{name}", getattr(receivers()[kind], name)
 
 
@@ -205,9 +232,9 @@ def taken(call: Callable[..., Any]) -> dict[str, inspect.Parameter]:
 
 
 def example(name: str, argument: str) -> Any:
-    key = f"{name.rpartition('.')[2]}.{argument}"
-    if key in EXACTLY:
-        return EXACTLY[key]
+    for key in (f"{name}.{argument}", f"{name.rpartition('.')[2]}.{argument}"):
+        if key in EXACTLY:
+            return EXACTLY[key]
     assert argument in ARGUMENTS or argument in OBJECTS, (
         f"{name}({argument}=...): an example is wanted in `ARGUMENTS`"
     )

@@ -130,7 +130,7 @@ def test_beyond_soft_limits() -> None:
             ([0.1, 0.1, 0.07, 0, 0, 1.6], "`psi`: expected -90.00 to 90.00 degrees, got 91.67"),
             ([0.1, 0.1, math.nan, 0, 0], "`q`: expected finite numbers, m and rad"),
             ([0.1, 0.1], r"`q`: expected shape \(5,\) or \(6,\), m and rad, got shape \(2,\)"),
-            ("home", "`q`: expected numbers of shape"),
+            ("home", "`q`: expected an array of numbers"),
         ):
             with pytest.raises(ArgumentError, match=message):
                 rig.move(q)  # type: ignore[arg-type]
@@ -223,7 +223,7 @@ def test_depths_against_many_points() -> None:
     lengths = np.linalg.norm(np.diff(points, axis=1), axis=-1)
     np.testing.assert_allclose(lengths[:, 1:], [[0.102, 0.06]] * 300)
     np.testing.assert_allclose(lengths[:, 0], q[:, 2])
-    found = around.depths(arm, q)
+    found = around._depths(arm, q)
     share = np.linspace(0, 1, 400)[:, None, None]
     for number, part in enumerate(("column", "upper link", "gripper")):
         along = points[:, number] + share * (points[:, number + 1] - points[:, number])

@@ -17,6 +17,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
 from .._files import decode, parse_toml, read_bytes, shown
+from ..errors import ArgumentError
 from ._errors import CalibrationError
 from ._messages import Configure
 
@@ -319,6 +320,8 @@ class Calibration(BaseModel):
         CalibrationError
             With every fault of the file and its place; also if it is about another rig.
         """
+        if not isinstance(source, str | Path):
+            raise ArgumentError("calibration", shown(source), "a file or the name of a bundled one")
         if source in BUNDLED:
             name = f"{source}.toml"
             data = (resources.files(__package__) / "bundled" / name).read_bytes()

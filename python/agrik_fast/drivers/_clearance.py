@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._checks import FloatArray
+from .._checks import FloatArray, finite_array, real_number
 from ..arms import StrawberryArm
 from ._errors import ClearanceError
 
@@ -38,6 +38,11 @@ class Surroundings:
         Half the thickness of column and upper link; assumed.
     give : float, m
         How deep the gripper may be among leaves while it comes down to a fruit or leaves it.
+
+    Raises
+    ------
+    ArgumentError
+        A number is out of its range.
     """
 
     plant_centre: tuple[float, float, float] = (0.5, 0.3675, -0.395)
@@ -47,7 +52,13 @@ class Surroundings:
     arm_radius: float = 0.01
     give: float = 0.005
 
-    def depths(self, arm: StrawberryArm, q: FloatArray) -> dict[tuple[str, str], FloatArray]:
+    def __post_init__(self) -> None:
+        finite_array("Surroundings.plant_centre", self.plant_centre, (3,))
+        for name in ("plant_radius", "bed_half_width", "arm_radius", "give"):
+            real_number(f"Surroundings.{name}", getattr(self, name), 0, unit="m")
+        real_number("Surroundings.bed_top", self.bed_top, unit="m")
+
+    def _depths(self, arm: StrawberryArm, q: FloatArray) -> dict[tuple[str, str], FloatArray]:
         """Return how deep each part is in each obstacle, m; negative where it is clear of it.
 
         Parameters
@@ -77,7 +88,7 @@ class Surroundings:
             found[part, "bed"] = -np.maximum(above, beside).min(axis=1)
         return found
 
-    def check(
+    def check_way(
         self,
         arm: StrawberryArm,
         postures: Sequence[FloatArray],
@@ -117,7 +128,7 @@ class Surroundings:
         way = float(off[:3].sum() + sum(lengths) * off[3] + lengths[1] * off[4])
         count = max(math.ceil(way / _STEP_M), 1) + 1
         share = np.linspace(0.0, 1.0, count)[:, None]
-        depths = self.depths(arm, start + share * (end - start))
+        depths = self._depths(arm, start + share * (end - start))
         worst: tuple[tuple[str, str], float] | None = None
         for pair, depth in depths.items():
             allowed = self.give if soft and pair[0] == "gripper" else 0.0

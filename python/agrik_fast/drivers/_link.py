@@ -10,11 +10,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol, Self, TypeVar
 
-from .._checks import real_number, whole_number
+from .._checks import real_number, shown, text, whole_number
 from ..errors import ArgumentError
 from ._errors import CommandRefusedError, LinkError, WrongDeviceError
 from ._frames import Frame, FrameReader, encode
-from ._messages import REPLIES, VERSION, Ack, Board, Code, Identity, Report, Type
+from ._messages import PAYLOAD_MAX, REPLIES, VERSION, Ack, Board, Code, Identity, Report, Type
 from ._transport import SerialTransport, Transport
 
 _LOG_BYTES = 4 << 20
@@ -115,14 +115,19 @@ class Link:
     statistics: LinkStatistics = field(default_factory=LinkStatistics, init=False)
 
     def __post_init__(self) -> None:
-        self.timeout = real_number("timeout", self.timeout, 0, open_low=True, unit="s")
-        self.tries = whole_number("tries", self.tries, 1)
+        link_options(self.timeout, self.tries, self.log)
         self._lock = threading.RLock()
         self._reader = FrameReader()
         self._sequence = 0
-        self._logger = _frame_log(self.log)
         given = self.port
+        if not isinstance(given, str) and not callable(getattr(given, "read", None)):
+            raise ArgumentError("port", shown(given), "a port's name or a Transport")
         self.transport: Transport = SerialTransport(given) if isinstance(given, str) else given
+        try:
+            self._logger = _frame_log(self.log)
+        except BaseException:
+            self.transport.close()
+            raise
 
     @property
     def name(self) -> str:
@@ -145,14 +150,23 @@ class Link:
         ------
         LinkError
             No answer after all tries, or the line broke.
+        ArgumentError
+            The payload is too long, or no bytes.
         """
+        given: tuple[object, object] = kind, payload
+        if not isinstance(given[0], Type) or kind not in REPLIES:
+            raise ArgumentError("kind", shown(kind), "a type of request")
+        if not isinstance(given[1], bytes):
+            raise ArgumentError("payload", shown(payload), f"at most {PAYLOAD_MAX} bytes")
+        if len(payload) > PAYLOAD_MAX:
+            raise ArgumentError("payload", f"{len(payload)} bytes", f"at most {PAYLOAD_MAX} bytes")
+        tries = self.tries if tries is None else whole_number("tries", tries, 1, 1000)
         with self._lock:
             self._sequence = (self._sequence + 1) & 0xFF
             sent = Frame(kind, self._sequence, payload)
             stats, clock = self.statistics, self.transport.now
             stats.requests += 1
             start, before = clock(), stats.stray
-            tries = self.tries if tries is None else tries
             for attempt in range(tries):
                 stats.retries += attempt > 0
                 self._note(">", sent)
@@ -191,8 +205,8 @@ class Link:
         try:
             return form.unpack(payload)
         except struct.error:
-            text = f"the answer to {kind.name} has {len(payload)} bytes: another protocol"
-            raise WrongDeviceError(self.name, text) from None
+            reason = f"the answer to {kind.name} has {len(payload)} bytes: another protocol"
+            raise WrongDeviceError(self.name, reason) from None
 
     def ping(self, payload: bytes = b"") -> None:
         """Ask for an echo.
@@ -227,6 +241,9 @@ class Link:
         LinkError
             Nobody answers.
         """
+        if board is not None and not isinstance(board, Board):
+            raise ArgumentError("board", shown(board), "a Board or None")
+        patience = real_number("patience", patience, 0, 60, unit="s")
         with self._lock:
             end = self.transport.now() + patience
             before, heard = self.statistics.stray, self._damaged()
@@ -285,6 +302,7 @@ class Link:
         LinkError
             No answer.
         """
+        what = text("what", what)
         ack = self._read(kind, Ack, self.request(kind, payload))
         if ack.code != Code.OK:
             known = set(Code)
@@ -319,6 +337,23 @@ class Link:
             )
 
 
+def link_options(timeout: float, tries: int, log: Path | str | None) -> dict[str, Any]:
+    """Return options of a link that are in order.
+
+    Raises
+    ------
+    ArgumentError
+        One is not.
+    """
+    if log is not None and not isinstance(log, str | Path):
+        raise ArgumentError("log", shown(log), "a path or None")
+    return {
+        "timeout": real_number("timeout", timeout, 0, 60, open_low=True, unit="s"),
+        "tries": whole_number("tries", tries, 1, 1000),
+        "log": log,
+    }
+
+
 def _board(board: Board) -> str:
     return f"{board.name.lower()} (the {_RIGS[board]} rig)"
 
@@ -331,10 +366,9 @@ def _frame_log(file: Path | str | None) -> Any:
         handler = logging.handlers.RotatingFileHandler(
             file, maxBytes=_LOG_BYTES, backupCount=_LOG_FILES - 1, encoding="utf-8"
         )
-    except OSError as error:
-        raise ArgumentError("log", f"{file}: {error.strerror}", "a file that can be written") from (
-            None
-        )
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or "no name of a file"
+        raise ArgumentError("log", f"{shown(file)}: {why}", "a file that can be written") from None
     handler.setFormatter(logging.Formatter("%(message)s"))
     logger.addHandler(handler)
     return logger

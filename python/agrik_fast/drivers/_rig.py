@@ -14,11 +14,11 @@ from typing import ClassVar, Literal, Self
 
 import numpy as np
 
-from .._checks import FloatArray
+from .._checks import FloatArray, float_array, shown
 from ..errors import ArgumentError
 from ._calibration import Calibration
 from ._errors import CommandRefusedError, RigError, RigFaultError
-from ._link import Link, LinkStatistics
+from ._link import Link, LinkStatistics, link_options
 from ._messages import Board, Code, Fault, Identity, Report, State, Type
 from ._simulator import Simulator
 from ._transport import Transport
@@ -91,16 +91,22 @@ class Rig(abc.ABC):
         log: Path | str | None = None,
         progress: Progress | None = None,
     ) -> None:
+        for method in () if isinstance(port, str) else ("write", "read", "now", "sleep", "close"):
+            if not callable(getattr(port, method, None)):
+                raise ArgumentError("port", shown(port), "a port's name or a Transport")
         if isinstance(calibration, Calibration):
             if calibration.rig.name != self.name:
                 found = f"that of the {calibration.rig.name} rig"
                 raise ArgumentError("calibration", found, f"one of the {self.name} rig")
             self.calibration = calibration
         else:
-            self.calibration = Calibration.load(calibration or self.name, self.name)
+            given = self.name if calibration is None else calibration
+            self.calibration = Calibration.load(given, self.name)
+        if progress is not None and not callable(progress):
+            raise ArgumentError("progress", shown(progress), "a callable or None")
         self.progress = progress
         self._given = port
-        self._options = {"timeout": timeout, "tries": tries, "log": log}
+        self._options = link_options(timeout, tries, log)
         self._link: Link | None = None
         # Motions are one at a time; stopping is possible at any time, from any thread.
         self._motion = threading.RLock()
@@ -139,7 +145,7 @@ class Rig(abc.ABC):
         port: str | Transport = self._given
         if port == "simulated":
             port = Simulator(self.name)
-        link = Link(port, **self._options)  # type: ignore[arg-type]
+        link = Link(port, **self._options)
         try:
             identity = link.hello(self.board)
             self._link = link
@@ -304,10 +310,7 @@ def _name(enum: type[State] | type[Fault], value: int) -> str:
 def finite(argument: str, value: object, sizes: tuple[int, ...], units: str) -> FloatArray:
     """Return joint values or a target as an array of one of several lengths."""
     shapes = " or ".join(f"({size},)" for size in sizes)
-    try:
-        array = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        raise ArgumentError(argument, repr(value), f"numbers of shape {shapes}, {units}") from None
+    array = float_array(argument, value).copy()  # type: ignore[arg-type]
     if array.ndim != 1 or len(array) not in sizes:
         raise ArgumentError(argument, f"shape {array.shape}", f"shape {shapes}, {units}")
     if not np.isfinite(array).all():
@@ -319,12 +322,8 @@ def within(name: str, value: float, low: float, high: float) -> None:
     """Refuse a joint value beyond its limits."""
     # Angles that went through a pulse and back have lost the last digits.
     if not low - 1e-9 <= value <= high + 1e-9:
-        prismatic = name.startswith("s") and name[1:].isdigit()
-        shown, unit = (
-            ((1000 * value, 1000 * low, 1000 * high), "mm")
-            if prismatic
-            else (tuple(map(math.degrees, (value, low, high))), "degrees")
+        factor, unit = (
+            (1000.0, "mm") if name in ("s10", "s21", "s32") else (180 / math.pi, "degrees")
         )
-        raise ArgumentError(
-            name, f"{shown[0]:.2f} {unit}", f"{shown[1]:.2f} to {shown[2]:.2f} {unit}"
-        )
+        received = f"{factor * value:.2f} {unit}"
+        raise ArgumentError(name, received, f"{factor * low:.2f} to {factor * high:.2f} {unit}")

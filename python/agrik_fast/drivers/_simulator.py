@@ -12,11 +12,14 @@ import shutil
 import signal
 import subprocess
 import threading
+import weakref
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Literal, Self
 
+from .._checks import real_number, shown, text, truth_value, word
+from ..errors import ArgumentError
 from ._errors import LinkError, SimulatorError
 
 FREQUENCY = 16_000_000
@@ -103,6 +106,14 @@ class Simulator:
         test_build: bool = False,
         numbers: Mapping[str, float] | None = None,
     ) -> None:
+        word("rig", rig, tuple(BOARDS))
+        test_build = truth_value("test_build", test_build)
+        if numbers is not None and not isinstance(numbers, Mapping):
+            raise ArgumentError("numbers", shown(numbers), "numbers by name, or None")
+        plant = {
+            text("numbers", name): real_number(f"numbers[{name!r}]", value)
+            for name, value in (numbers or {}).items()
+        }
         self.name = "simulated"
         self.rig = rig
         board = BOARDS[rig]
@@ -121,8 +132,14 @@ class Simulator:
             bufsize=0,
             start_new_session=True,  # Ctrl-C is for whoever drives it
         )
-        for name, value in {**plant_numbers(rig), **(numbers or {})}.items():
-            self.set(name, value)
+        # Whoever forgets to close it leaves no process behind.
+        self._end = weakref.finalize(self, _end, self._process)
+        try:
+            for name, value in {**plant_numbers(rig), **plant}.items():
+                self.set(name, value)
+        except BaseException:
+            self.close()
+            raise
         # Until the board has started, it hears nothing.
         self.run(0.005)
 
@@ -149,7 +166,10 @@ class Simulator:
 
     def set(self, name: str, value: float) -> None:
         """Set a number of the plant: ``slide0.jammed``, ``servo2.noise``, ``cable``, ``estop``."""
-        self._ask(f"set {name} {float(value)!r}")
+        name = text("name", name)
+        if not name or any(letter.isspace() or letter == "\0" for letter in name):
+            raise ArgumentError("name", shown(name), "the name of a number of the plant")
+        self._ask(f"set {name} {real_number('value', float(value))!r}")
 
     def state(self) -> dict[str, float]:
         """Return where everything is: ``carriage0`` (mm), ``count0``, ``angle0`` (degrees), ..."""
@@ -158,6 +178,7 @@ class Simulator:
 
     def trace(self, file: Path | None, every: float = 0.01) -> None:
         """Write a row of counts, carriages and servos to a CSV file every so many seconds."""
+        every = real_number("every", every, 1e-5, 3600, unit="s")
         self._ask(f"trace {'-' if file is None else file.resolve()} {1e6 * every!r}")
 
     def _run(self, seconds: float, stop: bool, data: bytes = b"") -> None:
@@ -212,17 +233,7 @@ class Simulator:
 
     def close(self) -> None:
         """End the simulator."""
-        process = self._process
-        for stream in (process.stdin, process.stdout):
-            if stream:
-                with contextlib.suppress(OSError):
-                    stream.close()
-        if process.poll() is None:
-            try:
-                process.wait(2)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+        self._end()
 
     def __enter__(self) -> Self:
         return self
@@ -234,6 +245,18 @@ class Simulator:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    for stream in (process.stdin, process.stdout):
+        if stream:
+            with contextlib.suppress(OSError):
+                stream.close()
+    try:
+        process.wait(2)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
 
 
 @contextlib.contextmanager

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, float_array, real_number, truth_value, word
+from .._checks import FloatArray, float_array, real_number, shown, truth_value, word
 from ..arms import Command, StrawberryArm
 from ..errors import ArgumentError
 from ._calibration import Calibration
@@ -32,6 +32,7 @@ _SERVO_LAG_S = 0.03
 # Beyond the time that a move should take.
 _PATIENCE_S = 5.0
 Method = Literal["exact", "as", "ssas", "ncos"]
+METHODS = ("exact", "as", "ssas", "ncos")
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,6 +140,8 @@ class StrawberryRig(Rig):
             log=log,
             progress=progress,
         )
+        if surroundings is not None and not isinstance(surroundings, Surroundings):
+            raise ArgumentError("surroundings", shown(surroundings), "Surroundings or None")
         self.surroundings = surroundings
         self.arm = StrawberryArm()
         self._upward = [True] * 3
@@ -172,6 +175,15 @@ class StrawberryRig(Rig):
             within(name, value, least, most)
         return values
 
+    def _roughly(self, argument: str, q: object) -> FloatArray:
+        """Return where the arm is said to be: by encoders, it may be beyond a limit by the play."""
+        values = finite(argument, q, (5, 6), "m and rad")
+        low, high = self._limits()
+        ends = zip(self.joint_names, values, low - 0.02, high + 0.02, strict=False)
+        for name, value, least, most in ends:
+            within(name, value, least, most)
+        return values
+
     def solve(self, target: ArrayLike, method: Method = "exact") -> FloatArray:
         """Return joint values, shape (5,), m and rad, that bring the tool point to a target.
 
@@ -183,6 +195,7 @@ class StrawberryRig(Rig):
             It is no point.
         """
         point = finite("target", target, (3,), "m")
+        word("method", method, METHODS)
         found = self.arm.solve(point, method)
         if not bool(found.success):
             from ..arms import Place
@@ -317,7 +330,7 @@ class StrawberryRig(Rig):
         with self._moving():
             here = self._known("move")
             if self.surroundings:
-                self.surroundings.check(self.arm, [here[:5], values[:5]], ["move"], [False])
+                self.surroundings.check_way(self.arm, [here[:5], values[:5]], ["move"], [False])
             return self._go(values)
 
     def _go(self, values: FloatArray) -> list[Arrival]:
@@ -352,7 +365,7 @@ class StrawberryRig(Rig):
             if self.surroundings:
                 corners = [here[:5], *(point[:5] for point in points)]
                 names = [f"to path[{i}]" for i in range(len(points))]
-                self.surroundings.check(self.arm, corners, names, [False] * len(points))
+                self.surroundings.check_way(self.arm, corners, names, [False] * len(points))
             return [arrival for point in points for arrival in self._go(point)]
 
     def pick(
@@ -419,7 +432,8 @@ class StrawberryRig(Rig):
         h_extra : float, default 0.03, m
             How far it is lifted first; no further than home.
         """
-        values = finite("q", q, (5, 6), "m and rad")
+        values = self._roughly("q", q)
+        h_extra = real_number("h_extra", h_extra, 0, unit="m")
         home = self.arm.reset_pose
         # Home is as high as it goes; within the play of the slide it may seem to be higher.
         lifted = max(float(values[2]) - h_extra, float(home[2]))
@@ -484,8 +498,8 @@ class StrawberryRig(Rig):
         ClearanceError
             Names the pair that would touch, and the step.
         """
-        start = finite("here", here, (5, 6), "m and rad")
-        end = finite("q", q, (5, 6), "m and rad")
+        start, end = self._roughly("here", here), self._checked("q", q)
+        h_extra = real_number("h_extra", h_extra, 0, unit="m")
         commands = self.arm.commands(end[:5], h_extra=h_extra)
         self._check_way(start, commands, "way out", gentle=(7, 8))
         self._check_back(end, h_extra)
@@ -527,14 +541,14 @@ class StrawberryRig(Rig):
             postures.append(posture)
             names.append(f"{number + 1} of the {way} ({step.axis})")
             soft.append(number in gentle)
-        self.surroundings.check(self.arm, postures, names, soft)
+        self.surroundings.check_way(self.arm, postures, names, soft)
 
     # ---- where it is -------------------------------------------------------------------------
 
     def _goal(self, q: ArrayLike | None, target: ArrayLike | None, method: Method) -> FloatArray:
         if (q is None) == (target is None):
             raise ArgumentError("q, target", "both" if q is not None else "neither", "one of them")
-        word("method", method, ("exact", "as", "ssas", "ncos"))
+        word("method", method, METHODS)
         if target is not None:
             return self._checked("target", self.solve(target, method))
         return self._checked("q", q)

@@ -6,6 +6,7 @@ import os
 import time
 from typing import Any, Protocol
 
+from .._checks import text
 from ._errors import LinkError
 from ._messages import BAUD
 
@@ -46,6 +47,7 @@ class SerialTransport:
     """
 
     def __init__(self, url: str) -> None:
+        url = text("url", url)
         try:
             import serial
         except ImportError:
