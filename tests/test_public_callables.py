@@ -47,8 +47,8 @@ ANSWERS = {
 # Objects and files, for which nothing but their own kind makes sense: what is none at all is the
 # type checker's business, as it is for `Robot(definition)`, which users do not call.
 OBJECTS = {
-    "checkpoint", "chunks", "content", "definition", "gain", "kind", "log", "path", "report", "resume",
-    "robot", "source", "store", "tuning",
+    "checkpoint", "chunks", "content", "definition", "gain", "kind", "log", "path", "report",
+    "resume", "robot", "source", "store", "tuning",
 }  # fmt: skip
 # Texts and paths: what is neither is a TypeError in Python's own words.
 TEXTS = {"base_link", "name", "name_or_path", "path_or_text", "tip_link"}

@@ -1,5 +1,6 @@
 """``agrik-fast drive``: rigs from target to target, and what it says when it cannot."""
 
+import io
 import os
 import re
 import signal
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from agrik_fast.cli import _drive
 from cli_runner import one_line, run_command
 from rigs import needs_simulator
 
@@ -40,6 +42,27 @@ def test_strawberry_drives_to_every_target(tmp_path: Path) -> None:
             line,
         )
     assert "CONFIGURE" in log.read_text()
+
+
+class Terminal(io.StringIO):
+    """A stream that says that it is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@needs_simulator
+def test_a_terminal_has_a_live_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "120")
+    monkeypatch.setenv("TERM", "xterm")
+    stream, rows = Terminal(), list[_drive.Row]()
+    request = _drive.DriveRequest("strawberry", "simulated", targets(tmp_path, GOOD))
+    _drive.drive(request, rows, stream)
+    text = stream.getvalue()
+    for seen in ("strawberry rig", "x, mm", "time, s", "on its way", "reached", "homing", "moving"):
+        assert seen in text, seen
+    assert text.count("strawberry rig") > 5
+    assert _drive.count(rows) == "2 of 2 targets were driven to"
 
 
 @needs_simulator

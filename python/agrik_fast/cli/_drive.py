@@ -148,8 +148,9 @@ class Show:
                 f"{self.status.state}   {shown}   {link.requests} requests, {link.retries} retries"
             )
         table = Table(title=f"{self.rig} rig", caption=state)
-        for name in ("target", "x [mm]", "y [mm]", "z [mm]", "outcome", "time [s]", "note"):
-            table.add_column(name, justify="right" if "[" in name else "left")
+        # No brackets: they are the table's own language.
+        for name in ("target", "x, mm", "y, mm", "z, mm", "outcome", "time, s", "note"):
+            table.add_column(name, justify="right" if "," in name else "left")
         active = next((i for i, row in enumerate(self.rows) if row.outcome == "on its way"), 0)
         # As many as a terminal shows, with the one on its way among them.
         for row in self.rows[max(active - 10, 0) : active + 15]:
