@@ -44,6 +44,7 @@ bench: build $(VENV)/.dev ## criterion benches of the core, then this library be
 	cargo bench $(LOCKED) -p agrik -p agrik-solids -p agrik-motion
 	$(PY) benches/peers.py
 	$(PY) benches/closed_forms.py
+	$(PY) benches/collision.py
 
 callgrind: build ## instructions per solve against the committed numbers (needs valgrind)
 	$(PY) benches/instructions.py
@@ -101,7 +102,7 @@ clean: ## remove what the other targets made, the environments included
 build: $(NATIVE) ## the release extension, installed into .venv (quick when nothing changed)
 
 # The wheel holds what cargo compiled for `build`: making it takes seconds.
-oracle: build wheel $(ORACLE)/.done ## compare with Pinocchio (URDFs of real robots), EAIK (branches), coal (distances); heavy downloads, own environment
+oracle: build wheel $(ORACLE)/.done ## compare with Pinocchio (URDFs of real robots), EAIK (branches) and coal (distances); heavy downloads, own environment
 	$(ORACLE)/bin/python -m pip uninstall --quiet --yes agrik_fast
 	$(ORACLE)/bin/python -m pip install --quiet $(WHEELS)/*.whl
 	$(ORACLE)/bin/python -m pytest tests/oracle

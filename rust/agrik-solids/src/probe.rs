@@ -13,6 +13,13 @@ use crate::shapes::{Cuboid, Point, Segment};
 pub trait Probe<N: Arithmetic>: Copy {
     /// Square of the distance of points from the core, m^2.
     fn square(&self, p: &[N; 3]) -> N;
+
+    /// Lanes, a bit each, whose points may be within `reach` (m, 0 or more) of the core: told
+    /// by a sphere round it, where that costs less than the distance.
+    #[inline(always)]
+    fn maybe_within(&self, _: &[N; 3], _: N) -> u32 {
+        u32::MAX
+    }
 }
 
 #[inline(always)]
@@ -86,6 +93,9 @@ pub struct CuboidProbe<N> {
     axes: [[N; 3]; 3],
     shift: [N; 3],
     half: [N; 3],
+    centre: [N; 3],
+    /// Distance of the corners from the centre.
+    size: N,
 }
 
 impl<N: Arithmetic> CuboidProbe<N> {
@@ -98,11 +108,20 @@ impl<N: Arithmetic> CuboidProbe<N> {
             axes: [splat(x), splat(y), splat(z)],
             shift: splat([dot(x, from), dot(y, from), dot(z, from)]),
             half: splat(cuboid.half()),
+            centre: splat(sub(cuboid.centre(), origin)),
+            size: N::splat(cuboid.bounding_sphere().1),
         }
     }
 }
 
 impl<N: Arithmetic> Probe<N> for CuboidProbe<N> {
+    #[inline(always)]
+    fn maybe_within(&self, p: &[N; 3], reach: N) -> u32 {
+        let [x, y, z] = self.centre;
+        let far = reach + self.size;
+        N::bits(length_square([p[0] - x, p[1] - y, p[2] - z]).le(far * far))
+    }
+
     #[inline(always)]
     fn square(&self, p: &[N; 3]) -> N {
         let mut local = self.shift;

@@ -136,7 +136,8 @@ impl Cuboid {
         self.point([side(0), side(1), side(2)])
     }
 
-    pub(super) fn bounding_sphere(&self) -> (Point, f64) {
+    #[inline]
+    pub(crate) fn bounding_sphere(&self) -> (Point, f64) {
         (self.centre, self.size)
     }
 }

@@ -113,7 +113,13 @@ impl<R: Real32, P: Probe<R>> Question<'_, R, P> {
     fn near(&self, level: usize, index: usize, within: R) -> u32 {
         let (group, lanes) = self.group(level, index);
         let reach = (R::load(&group.radius) + within).max(R::splat(0.0));
-        R::bits(self.square(group).le(reach * reach)) & lanes
+        let points = [R::load(&group.x), R::load(&group.y), R::load(&group.z)];
+        let lanes = lanes & self.probe.maybe_within(&points, reach);
+        // Mostly nothing of a group is near.
+        if lanes == 0 {
+            return 0;
+        }
+        R::bits(self.probe.square(&points).le(reach * reach)) & lanes
     }
 
     /// The same, and how far away the spheres are.
