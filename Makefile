@@ -102,7 +102,7 @@ clean: ## remove what the other targets made, the environments included
 build: $(NATIVE) ## the release extension, installed into .venv (quick when nothing changed)
 
 # The wheel holds what cargo compiled for `build`: making it takes seconds.
-oracle: build wheel $(ORACLE)/.done ## compare with Pinocchio (URDFs of real robots), EAIK (branches) and coal (distances); heavy downloads, own environment
+oracle: build wheel $(ORACLE)/.done ## compare with Pinocchio (URDFs of real robots), EAIK (branches), coal (distances); heavy downloads, own environment
 	$(ORACLE)/bin/python -m pip uninstall --quiet --yes agrik_fast
 	$(ORACLE)/bin/python -m pip install --quiet $(WHEELS)/*.whl
 	$(ORACLE)/bin/python -m pytest tests/oracle

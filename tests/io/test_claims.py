@@ -11,7 +11,7 @@ import pyarrow
 import pytest
 from pyarrow import parquet
 
-from agrik_fast import Robot, Status
+from agrik_fast import Robot, Status, Warnings
 from agrik_fast import _npy as npy
 from agrik_fast.io import (
     ResultFileError,

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use agrik::chain::{Chain, JointKind};
 use agrik::kinematics::{FRAME, moving_frames};
-use agrik_compute::Allowed;
 use agrik_solids::{Core, Pose, Solid};
 use nalgebra::{IsometryMatrix3, Matrix4, Rotation3, Translation3};
 
@@ -12,6 +11,9 @@ use super::placed::Placed;
 use super::self_pairs::{self, Excluded, Pairs};
 use super::shape::{Body, Shape};
 use crate::{Error, Result};
+
+/// Largest angle of a joint, rad: some 1,600 turns.
+const TURNED: f64 = 1e4;
 
 /// An arm with bodies on its frames.
 #[derive(Debug, Clone)]
@@ -179,13 +181,18 @@ pub(super) fn check_postures(chain: &Chain, q: &[f64]) -> Result<()> {
         let expected = format!("rows of {dof} joint values");
         return Err(Error::argument("q", expected, format!("{} numbers", q.len())));
     }
-    let largest = agrik_solids::shapes::LARGEST;
-    let allowed = Allowed::between(-largest, largest);
-    match q.iter().position(|x| !allowed.contains(*x)) {
+    // Sines of larger angles are not known to the last digit.
+    let most = |kind| match kind {
+        JointKind::Prismatic => agrik_solids::shapes::LARGEST,
+        _ => TURNED,
+    };
+    let limits: Vec<f64> = chain.variables().iter().map(|v| most(v.kind)).collect();
+    let beyond = |(i, x): (usize, &f64)| !(-limits[i % dof]..=limits[i % dof]).contains(x);
+    match q.iter().enumerate().position(beyond) {
         None => Ok(()),
         Some(at) => Err(Error::argument(
             "q",
-            format!("finite joint values, of size {largest:e} at most"),
+            format!("finite joint values, of size {:e} at most", limits[at % dof]),
             format!("{} in row {}", q[at], at / dof),
         )),
     }

@@ -2,7 +2,7 @@
 
 use smallvec::{SmallVec, smallvec};
 
-use super::fk::forward_far;
+use super::fk::{angle_of, forward_far};
 use super::{Frame, PerJoint, Workspace, columns, forward};
 use crate::chain::{Chain, JointKind, Tail, Variable};
 use crate::lanes::{Kernel, Level, Real, V3, WIDEST, dispatch, dispatch_single};
@@ -72,7 +72,11 @@ pub const FRAME: usize = 12;
 ///
 /// A frame moves with its joint, and lies where the axis of the next one does.
 pub fn moving_frames(chain: &Chain, q: &[f64], out: &mut [f64]) {
-    run(q.len() / chain.dof(), Frames { chain, q, out });
+    if q.len() == chain.dof() {
+        dispatch(Level::in_use(), LoneFrames { chain, q, out });
+    } else {
+        run(q.len() / chain.dof(), Frames { chain, q, out });
+    }
 }
 
 /// Runs a kernel over rows; a pass over all lanes does not pay for one or two of them.
@@ -139,13 +143,58 @@ impl Kernel for Frames<'_> {
             let mut frame = Frame::start(compiled);
             for (i, one) in frames.as_chunks_mut::<FRAME>().0.iter_mut().enumerate() {
                 frame = frame.after(compiled, i..i + 1, &q);
-                let [x, y, z] = frame.axes();
-                let p = frame.point([0.0; 3]);
-                *one = [x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2], p[0], p[1], p[2]];
+                *one = frame_numbers(&frame);
             }
             unload(&frames, to);
         }
     }
+}
+
+/// The frames of one row, with its angles side by side in the lanes: to the bit what the lanes
+/// of [`Frames`] hold.
+struct LoneFrames<'a> {
+    chain: &'a Chain,
+    q: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl Kernel for LoneFrames<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        let compiled = self.chain.compiled();
+        let q: PerJoint<R::Single> = self.q.iter().map(|x| R::Single::splat(*x)).collect();
+        let mut frame = Frame::<R::Single>::start(compiled);
+        let links = compiled.links.chunks(R::WIDTH).zip(self.out.chunks_mut(R::WIDTH * FRAME));
+        for (links, out) in links {
+            let mut angles = R::zero();
+            for (lane, link) in links.iter().enumerate() {
+                angles.set_lane(lane, angle_of(compiled, link, &q).lane(0));
+            }
+            let (sines, cosines) = angles.sin_cos();
+            for (lane, (link, out)) in links.iter().zip(out.chunks_mut(FRAME)).enumerate() {
+                let (s, c) = if link.prismatic {
+                    link.theta_sin_cos
+                } else {
+                    (sines.lane(lane), cosines.lane(lane))
+                };
+                let turn = [R::Single::splat(s), R::Single::splat(c)];
+                frame = frame.after_turn(compiled, link, &q, turn);
+                for (to, x) in out.iter_mut().zip(frame_numbers(&frame)) {
+                    *to = x.lane(0);
+                }
+            }
+        }
+    }
+}
+
+/// The numbers of a frame, as [`moving_frames`] has them.
+#[inline(always)]
+fn frame_numbers<R: Real>(frame: &Frame<R>) -> [R; FRAME] {
+    let [x, y, z] = frame.axes();
+    let p = frame.point([0.0; 3]);
+    [x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2], p[0], p[1], p[2]]
 }
 
 struct Jacobians<'a> {

@@ -222,6 +222,12 @@ impl<R: Real> Frame<R> {
         frame
     }
 
+    /// The same after one joint, of whose angle the sine and cosine are known.
+    #[inline(always)]
+    pub(super) fn after_turn(self, chain: &Compiled, link: &Link, q: &[R], turn: [R; 2]) -> Self {
+        over(chain, link, q, turn, self)
+    }
+
     /// Axes (columns).
     #[inline(always)]
     pub fn axes(&self) -> [V3<R>; 3] {
@@ -246,7 +252,7 @@ fn value_of<R: Real>(chain: &Compiled, link: &Link, q: &[R]) -> R {
 
 /// A joint's angle.
 #[inline(always)]
-fn angle_of<R: Real>(chain: &Compiled, link: &Link, q: &[R]) -> R {
+pub(super) fn angle_of<R: Real>(chain: &Compiled, link: &Link, q: &[R]) -> R {
     let offset = R::splat(link.theta);
     if link.prismatic { offset } else { value_of(chain, link, q) + offset }
 }
