@@ -6,7 +6,7 @@ from ._plan import Blockers, blockers, plan
 from ._programme import Programme, Runs, Terms, Weights
 from ._report import summary, write_report
 from ._scenes import SCENES, example_scene
-from ._settings import Settings
+from ._settings import Distance, Settings
 
 __all__ = [
     "SCENES",
@@ -14,6 +14,7 @@ __all__ = [
     "Blockers",
     "Decision",
     "Decisions",
+    "Distance",
     "Evaluation",
     "Programme",
     "Runs",

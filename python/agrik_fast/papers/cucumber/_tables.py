@@ -11,7 +11,7 @@ import numpy as np
 
 from ... import harvest
 from ...collision import Box, Cover, Scene, greenhouse
-from ...harvest import Programme, Runs
+from ...harvest import Distance, Programme, Runs
 from ...robot import Robot
 from .._output import write_csv
 from ._formulas import MISPRINTS, random_poses
@@ -30,7 +30,7 @@ __all__ = [
 ROBOT = "cucumber"
 SEEDS = 6
 """Runs of each search."""
-ABLATION: dict[str, dict[str, float]] = {
+ABLATION: dict[str, dict[str, Any]] = {
     "usual": {},
     "population 50": {"population": 50},
     "population 200": {"population": 200},
@@ -66,24 +66,23 @@ def _table1(path: Path) -> Path:
     assert robot.dh is not None
     letters = {"P": "printed", "D": "derived", "X": "sister arm", "A": "assumed"}
     rows = []
-    for k, row in enumerate(robot.dh):
-        name = robot.joint_names[k]
-        slides = robot.joint_types[k] == "prismatic"
+    for row in robot.dh:
+        slides = row.type == "prismatic"
         scale = 1e3 if slides else 180 / np.pi
         said = ", ".join(
-            f"{what}: {letters.get(word[:1], word[:1])}"
-            for what, word in robot.provenance.get(name, {}).items()
+            f"{what.split('.')[1]}: {letters.get(word[:1], word)}"
+            for what, word in robot.provenance.items()
+            if what.split(".")[0] == row.name
         )
-        a, alpha, d, theta = (float(x) for x in row)
         rows.append(
             [
-                name,
-                1e3 * a,
-                np.degrees(alpha),
-                "d1" if slides else 1e3 * d,
-                np.degrees(theta) if slides else name,
-                scale * robot.lower[k],
-                scale * robot.upper[k],
+                row.name,
+                1e3 * row.a,
+                np.degrees(row.alpha),
+                row.name if slides else 1e3 * row.d,
+                np.degrees(row.theta) if slides else row.name,
+                scale * row.lower,
+                scale * row.upper,
                 said,
             ]
         )
@@ -103,7 +102,8 @@ def _misprints(path: Path) -> Path:
 
 def _decisions(path: Path, scene: Scene) -> Path:
     rows = []
-    for distance in ("tree", "exact"):
+    ways: tuple[Distance, ...] = ("tree", "exact")
+    for distance in ways:
         for method, settings in (
             ("two-step", harvest.Settings()),
             ("two-step, refined", harvest.Settings(refine=True)),
@@ -114,7 +114,7 @@ def _decisions(path: Path, scene: Scene) -> Path:
                 ROBOT,
                 scene,
                 settings=settings,
-                distance=distance,  # type: ignore[arg-type]
+                distance=distance,
                 method="full" if method == "full" else "two-step",
                 threads=1,
             )
