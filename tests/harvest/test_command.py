@@ -6,7 +6,7 @@ import csv
 import json
 from pathlib import Path
 
-from cli_runner import run_cli
+from cli_runner import run_command
 
 from agrik_fast import harvest
 
@@ -15,8 +15,8 @@ def test_a_scene_of_ones_own(tmp_path: Path) -> None:
     scene = tmp_path / "scene.json"
     harvest.example_scene().save(scene)
     out = tmp_path / "out"
-    done = run_cli("harvest", str(scene), "-o", str(out))
-    assert done.returncode == 0, done.stderr
+    done = run_command("harvest", str(scene), "-o", str(out))
+    assert done.exit_code == 0, done.stderr
     names = {path.name for path in out.iterdir()}
     assert {"harvest.csv", "harvest.json", "shares.png", "row.png", "posture.png"} <= names
     assert "blockers.png" in names
@@ -30,8 +30,8 @@ def test_a_scene_of_ones_own(tmp_path: Path) -> None:
     assert record["share_ok"] == 2 / 6
     assert sum(record["shares"].values()) == 1
     assert "6 of 6" in done.stderr or "6 fruits" in done.stderr
-    again = run_cli("harvest", str(scene), "-o", str(out))
-    assert again.returncode == 2
+    again = run_command("harvest", str(scene), "-o", str(out))
+    assert again.exit_code == 2
     assert "holds files" in again.stderr
 
 
@@ -39,15 +39,15 @@ def test_what_is_wrong_is_said(tmp_path: Path) -> None:
     empty = harvest.example_scene()
     scene = tmp_path / "scene.json"
     type(empty)(empty.objects).save(scene)
-    done = run_cli("harvest", str(scene), "-o", str(tmp_path / "out"))
-    assert done.returncode == 2
+    done = run_command("harvest", str(scene), "-o", str(tmp_path / "out"))
+    assert done.exit_code == 2
     assert "target for each fruit" in done.stderr
     assert "Traceback" not in done.stderr
     harvest.example_scene().save(tmp_path / "fruits.json")
     fruits = str(tmp_path / "fruits.json")
-    done = run_cli("harvest", fruits, "-o", str(tmp_path / "out"), "--robot", "panda")
-    assert done.returncode == 2
+    done = run_command("harvest", fruits, "-o", str(tmp_path / "out"), "--robot", "panda")
+    assert done.exit_code == 2
     assert "no slide" in done.stderr
-    done = run_cli("harvest", fruits, "-o", str(tmp_path / "out"), "--distance", "near")
-    assert done.returncode == 2
+    done = run_command("harvest", fruits, "-o", str(tmp_path / "out"), "--distance", "near")
+    assert done.exit_code == 2
     assert "tree" in done.stderr

@@ -78,7 +78,7 @@ def test_any_arm_with_a_scene(name: str) -> None:
     leaves = [[0.35, 0.25, 0.5], [0.4, -0.25, 0.45], [0.5, 0.2, 0.75]]
     scene = Scene([SceneObject.cloud("leaf", leaves, 0.03, kind="leaf", removable=True)])
     # Where the arm can bring a tool whose x axis points down.
-    down = np.array([[0, 0, 1, 0.45], [0, 1, 0, 0.0], [-1, 0, 0, 0.5], [0, 0, 0, 1.0]])
+    down = np.array([[0, 0, 1, 0.45], [0, 1, 0, 0.0], [-1, 0, 0, 0.7], [0, 0, 0, 1.0]])
     assert arm.ik(down).success
     programme = harvest.Programme(arm, scene, Target(down[:3, 3]))
     runs = programme.differential([0, 1, 2], generations=2000, population=100)
