@@ -1115,7 +1115,7 @@ class HarvestStation:
         split : {"equal", "near-cubic"}, optional
             How they are cut into cells.
         moved : array_like, shape (3,), m, optional
-            How far `statics` are from where the scene has them: with the arm.
+            How far the arm and `statics` are from where they stand.
 
         Raises
         ------

@@ -6,9 +6,8 @@ import csv
 import json
 from pathlib import Path
 
-from cli_runner import run_command
-
 from agrik_fast import harvest
+from cli_runner import run_command
 
 
 def test_a_scene_of_ones_own(tmp_path: Path) -> None:

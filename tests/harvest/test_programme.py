@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy_harvest
 import pytest
 
 import agrik_fast as ik
+import numpy_harvest
 from agrik_fast import harvest
 from agrik_fast.collision import Scene, SceneObject, Target
 

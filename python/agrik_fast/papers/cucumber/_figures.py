@@ -27,7 +27,7 @@ def _space(drawing: Any, place: tuple[int, int, int]) -> Any:
 
 
 def _frame(axes: Any, view: tuple[float, float]) -> None:
-    frame_space(axes, [-0.3, -0.9, 0.3], [0.95, 0.9, 1.6], view)
+    frame_space(axes, [-0.25, -0.75, 0.5], [0.9, 0.75, 1.6], view)
 
 
 def robot(directory: Path) -> list[Path]:
@@ -87,7 +87,7 @@ def crop(directory: Path, scene: Scene) -> list[Path]:
     drawing = figure(12, 5.5)
     for k, view in enumerate(VIEWS):
         axes = _space(drawing, (1, 2, k + 1))
-        draw_scene(axes, scene)
+        draw_scene(axes, scene, skip=("machine",))
         _frame(axes, view)
     return save(drawing, directory, "figure4")
 
@@ -99,7 +99,7 @@ def _postures(
     drawing = figure(5.5 * len(postures), 5.6)
     for k, (title, q) in enumerate(postures):
         axes = _space(drawing, (1, len(postures), k + 1))
-        draw_scene(axes, scene)
+        draw_scene(axes, scene, skip=("machine",))
         draw_arm(axes, arm, q)
         _frame(axes, VIEWS[0])
         axes.set_title(title, fontsize=9)
@@ -184,7 +184,7 @@ def thinned(directory: Path, scene: Scene) -> list[Path]:
         gone = Scene([scene[leaf] for leaf in found.names])
         for k, shown in enumerate((scene, cleared)):
             axes = _space(drawing, (1, 2, k + 1))
-            draw_scene(axes, shown)
+            draw_scene(axes, shown, skip=("machine",))
             if k == 0:
                 rows = np.concatenate([leaf.spheres for leaf in gone.objects])
                 axes.scatter(*rows[:, :3].T, color="#d73027", marker="x", s=26)
@@ -209,7 +209,7 @@ def boxes(directory: Path) -> list[Path]:
     frame_space(axes, [-0.35, -0.4, 0.5], [0.75, 0.4, 1.6], (15, -60))
     files = save(drawing, directory, "figureA1")
     drawing = figure(13, 5)
-    turn = np.linspace(0, 2 * np.pi, 12)
+    turn = np.linspace(0, 2 * np.pi, 25)
     poses = arm.fk_links(q)
     frames = arm.compiled_bodies().frames
     for level in range(3):
@@ -224,8 +224,10 @@ def boxes(directory: Path) -> list[Path]:
             grid = np.stack(np.meshgrid(ticks, ticks, ticks), axis=-1).reshape(-1, 3) * half
             grid = (grid + np.array(body.shape.centre)) @ pose[:3, :3].T + pose[:3, 3]
             for centre in grid:
-                circle = np.stack([np.cos(turn), np.zeros_like(turn), np.sin(turn)]) * radius
-                axes.plot(*(centre[:, None] + circle), color="#4393c3", linewidth=0.4)
+                wave = np.stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)]) * radius
+                for order in ((0, 2, 1), (0, 1, 2), (2, 0, 1)):
+                    rim = centre[:, None] + wave[list(order)]
+                    axes.plot(*rim, color="#2166ac", linewidth=(1.2, 0.7, 0.3)[level])
             faces = box_faces(
                 pose[:3, :3] @ np.array(body.shape.centre) + pose[:3, 3],
                 pose[:3, :3] @ np.array(body.shape.rotation),

@@ -142,13 +142,15 @@ def _decisions(path: Path, scene: Scene) -> Path:
     )
 
 
-def search_runs(programme: Programme) -> tuple[dict[str, Runs], dict[str, float]]:
+def search_runs(
+    programme: Programme, seeds: int = SEEDS
+) -> tuple[dict[str, Runs], dict[str, float]]:
     """Return runs of the genetic algorithm and of differential evolution, and s a run."""
     runs, seconds = {}, {}
     for name, search in (("GA", programme.genetic), ("DE", programme.differential)):
         start = time.perf_counter()
-        runs[name] = search(range(SEEDS), threads=1)
-        seconds[name] = (time.perf_counter() - start) / SEEDS
+        runs[name] = search(range(seeds), threads=1)
+        seconds[name] = (time.perf_counter() - start) / seeds
     return runs, seconds
 
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use agrik::chain::{Chain, JointKind};
 use agrik::kinematics::{FRAME, moving_frames};
 use agrik_compute::Allowed;
-use agrik_solids::{Core, Pose, Solid};
+use agrik_solids::{Core, Point, Pose, Solid};
 use nalgebra::{IsometryMatrix3, Matrix4, Rotation3, Translation3};
 
 use super::placed::Placed;
@@ -94,6 +94,19 @@ impl Bodies {
         all.asked.extend(new.asked.into_iter().filter(|(_, j)| *j >= before));
         all.excluded.extend(new.excluded.into_iter().filter(|e| e.pair.1 >= before));
         made.pairs = all;
+        Ok(made)
+    }
+
+    /// The same arm with its bodies, its base moved by so much, m; pairs stay as they are.
+    ///
+    /// # Errors
+    ///
+    /// A number is not finite, or too large.
+    pub fn moved(&self, by: Point) -> Result<Self> {
+        let base = Translation3::from(by) * self.chain.base();
+        let mut made =
+            Self::new(Arc::new(self.chain.with_base(base)?), self.bodies.clone(), Some(&[]))?;
+        made.pairs = self.pairs.clone();
         Ok(made)
     }
 
