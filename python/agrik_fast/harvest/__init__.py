@@ -6,6 +6,7 @@ from ._plan import Blockers, blockers, plan
 from ._programme import Programme, Runs, Terms, Weights
 from ._report import summary, write_report
 from ._scenes import SCENES, example_scene
+from ._sensitivity import Errors, Sensitivity, Simulated, sensitivity, simulate
 from ._settings import Distance, Settings
 
 __all__ = [
@@ -15,10 +16,13 @@ __all__ = [
     "Decision",
     "Decisions",
     "Distance",
+    "Errors",
     "Evaluation",
     "Programme",
     "Runs",
+    "Sensitivity",
     "Settings",
+    "Simulated",
     "Stage",
     "Status",
     "Terms",
@@ -27,6 +31,8 @@ __all__ = [
     "evaluate",
     "example_scene",
     "plan",
+    "sensitivity",
+    "simulate",
     "summary",
     "write_report",
 ]

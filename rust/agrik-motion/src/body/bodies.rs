@@ -186,7 +186,7 @@ impl Bodies {
 }
 
 /// Refuses rows of joint values that no arm can have.
-pub(super) fn check_postures(chain: &Chain, q: &[f64]) -> Result<()> {
+pub(crate) fn check_postures(chain: &Chain, q: &[f64]) -> Result<()> {
     let dof = chain.dof();
     if !q.len().is_multiple_of(dof) {
         let expected = format!("rows of {dof} joint values");
