@@ -136,9 +136,18 @@ fn before(a: &[f64; 6], b: &[f64; 6]) -> bool {
     false
 }
 
+/// The nearest whole number, of numbers of ordinary size. The library's own function is a call
+/// where the processor is not asked for more than the oldest of its kind have.
+#[inline(always)]
+pub fn whole(x: f64) -> f64 {
+    const SHIFT: f64 = 6_755_399_441_055_744.0;
+    (x + SHIFT) - SHIFT
+}
+
 /// An angle less whole turns, in (-pi, pi].
+#[inline(always)]
 pub fn turned(x: f64) -> f64 {
-    let y = x - TAU * (x / TAU).round();
+    let y = x - TAU * whole(x * (1.0 / TAU));
     if y <= -PI { y + TAU } else { y }
 }
 
