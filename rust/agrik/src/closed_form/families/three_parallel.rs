@@ -38,7 +38,7 @@ pub struct ThreeParallel {
 
 /// Sine of the angle between axis 6 and the parallel ones below which nothing decides joint 6: an
 /// angle of 0 comes out of its cosine to half the digits.
-const IN_LINE: f64 = 1e-7;
+const IN_LINE: f64 = 3e-8;
 
 impl ThreeParallel {
     /// The arm, or why it is none.
