@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use agrik::chain::{Chain, JointKind};
 use agrik::kinematics::{FRAME, moving_frames};
-use agrik_compute::Allowed;
 use agrik_solids::{Core, Point, Pose, Solid};
 use nalgebra::{IsometryMatrix3, Matrix4, Rotation3, Translation3};
 

@@ -90,8 +90,9 @@ fn branches_of<'py>(
     let angles = ArmAngles::new(wishes.arm_angle, leading)?;
     let mut points = Vec::new();
     let request = call.request(py, chain, &mut points)?;
-    let family = ClosedForm::of(chain).is_ok() && request.task().fixes_pose();
-    if family && !call.targets.are_poses() {
+    let form = ClosedForm::of(chain).ok().filter(|form| !form.is_rough());
+    let family = form.is_some() && request.task().fixes_pose();
+    if form.is_some() && !call.targets.are_poses() {
         let expected = "shape (..., 4, 4): closed forms take poses";
         let received = format!("shape {}", shape_text(&[leading, &[3]].concat()));
         return Err(errors::argument(py, "targets", &received, expected));
