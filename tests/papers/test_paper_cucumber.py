@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,7 @@ def test_thirteen_places() -> None:
     assert len({one.place for one in MISPRINTS}) == 13
 
 
-@pytest.mark.parametrize(("misprint", "off"), zip(MISPRINTS, AS_READ, strict=True))
+@pytest.mark.parametrize(("misprint", "off"), list(zip(MISPRINTS, AS_READ, strict=True)))
 def test_a_misprint(misprint: Misprint, off: float, poses: cucumber._formulas.Pose) -> None:
     assert misprint.corrected(poses) < 1e-9
     assert misprint.error(poses) == pytest.approx(off, rel=0.01)
@@ -47,7 +48,7 @@ def test_tables(tmp_path: Path) -> None:
     programme = harvest.Programme("cucumber", harvest.example_scene("cucumber_thin"), "C1")
     runs, seconds = search_runs(programme, seeds=2)
     files = write_tables(tmp_path, harvest.example_scene(), runs, seconds)
-    rows = {path.stem: list(csv.DictReader(path.open())) for path in files}
+    rows = {path.stem: list(csv.DictReader(io.StringIO(path.read_text()))) for path in files}
     assert len(rows["table1"]) == 7
     assert all(row["provenance"] for row in rows["table1"])
     assert len(rows["misprints"]) == 13

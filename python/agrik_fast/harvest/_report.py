@@ -80,7 +80,7 @@ def write_report(
         _write(directory / "harvest.json", (json.dumps(record, indent=1) + "\n").encode()),
     ]
     if pictures:
-        from .drawing import status_pictures
+        from ._pictures import status_pictures
 
         for name, drawing in status_pictures(found).items():
             if report is not None:

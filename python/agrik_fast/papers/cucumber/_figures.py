@@ -273,3 +273,20 @@ def shares(directory: Path, rows: list[list[Any]]) -> list[Path]:
     axes.set_ylim(0, 100)
     axes.legend(title="height of the grip point")
     return save(drawing, directory, "crop_shares")
+
+
+def sensitivity(directory: Path, scene: Scene) -> list[Path]:
+    """Chance that a posture stays free against the distance that it keeps."""
+    one = harvest.plan(ROBOT, scene, "C1")["C1"]
+    drawing = figure(7, 4)
+    axes = drawing.add_subplot()
+    chance = np.concatenate([np.linspace(0.5, 0.99, 60), np.linspace(0.99, 0.9999, 40)])
+    for vision in (2e-3, 5e-3, 1e-2):
+        found = harvest.sensitivity(ROBOT, scene, "C1", one.q, harvest.Errors(vision=vision))
+        keep = [1e3 * found.min_distance(float(p)) for p in chance]
+        axes.plot(keep, 100 * chance, label=f"vision {1e3 * vision:.0f} mm")
+    axes.axvline(5, color="#878787", linestyle=":", label="5 mm, as is usual")
+    axes.set_xlabel("distance kept from the crop, mm")
+    axes.set_ylabel("chance to stay free, %")
+    axes.legend()
+    return save(drawing, directory, "sensitivity")

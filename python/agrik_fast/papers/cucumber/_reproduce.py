@@ -12,7 +12,15 @@ from ...collision import Scene, greenhouse
 from .._output import write_csv, write_text
 from . import _figures
 from ._published import FIELD
-from ._tables import ROBOT, ablation, crop_shares, field_cycle, search_runs, write_tables
+from ._tables import (
+    ROBOT,
+    ablation,
+    crop_shares,
+    field_cycle,
+    search_runs,
+    sensitivity_rows,
+    write_tables,
+)
 
 
 def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -> list[Path]:
@@ -47,6 +55,10 @@ def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -
     files.append(write_csv(directory / "crop_shares.csv", head, rows))
     say("harvest cycles")
     files.append(_cycle(directory / "cycle.csv"))
+    say("errors")
+    head = ["target", "D, mm", "TCP rms, mm", "drawn, mm", "P nearest body", "P union bound"]
+    head += ["P drawn", "D for 99 %, mm"]
+    files.append(write_csv(directory / "sensitivity.csv", head, sensitivity_rows(scene)))
     say("figures")
     two_step = harvest.plan(
         ROBOT, thin, "C1", settings=harvest.Settings(refine=True), distance="tree"
@@ -62,6 +74,7 @@ def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -
     files += _figures.boxes(directory)
     files += _figures.convergence(directory, runs, seconds)
     files += _figures.shares(directory, rows)
+    files += _figures.sensitivity(directory, scene)
     files.append(_notes(directory / "README.txt"))
     return files
 

@@ -12,6 +12,7 @@ import numpy as np
 from ... import harvest
 from ...collision import Box, Cover, Scene, greenhouse
 from ...harvest import Distance, Programme, Runs
+from ...harvest.scans import approach_scan, slide_table
 from ...robot import Robot
 from .._output import write_csv
 from ._formulas import MISPRINTS, random_poses
@@ -23,6 +24,7 @@ __all__ = [
     "crop_shares",
     "field_cycle",
     "search_runs",
+    "sensitivity_rows",
     "sphere_rows",
     "write_tables",
 ]
@@ -214,6 +216,51 @@ def ablation(programme: Programme, seeds: int = 20, generations: int = 300) -> l
         near = int(runs.terms.accepted().sum())
         rows.append([name, float(np.median(cost)), float(cost.min()), float(cost.max()), near])
     return rows
+
+
+def sensitivity_rows(scene: Scene, draws: int = 1500) -> list[list[Any]]:
+    """Return errors of the tool and the chance to stay free of postures, formula and draws.
+
+    Parameters
+    ----------
+    scene : Scene
+    draws : int, default 1500
+
+    Returns
+    -------
+    list of rows
+        Target, distance (mm), rms of the tool by formula and by draws (mm), probability of
+        the nearest body, union bound and draws, distance to keep for 99 % (mm).
+    """
+    rows = []
+    for name in ("C1", "C4"):
+        scan = approach_scan(ROBOT, scene, name)
+        order = np.argsort(np.where(scan["rank"] < 0, len(scan["rank"]), scan["rank"]))
+        shown = 0
+        for k in order:
+            table = slide_table(ROBOT, scene, name, float(scan["psi"][k]))
+            free = np.flatnonzero(~table["hits_itself"] & (table["distance"] > 0.002))
+            if not len(free):
+                continue
+            q = table["q"][free[len(free) // 2]]
+            found = harvest.sensitivity(ROBOT, scene, name, q)
+            drawn = harvest.simulate(ROBOT, scene, name, q, draws=draws)
+            rows.append(
+                [
+                    name,
+                    1e3 * float(found.clearance.min()),
+                    1e3 * found.rms,
+                    1e3 * drawn.rms,
+                    found.nearest,
+                    found.free,
+                    drawn.free,
+                    1e3 * found.min_distance(0.99),
+                ]
+            )
+            shown += 1
+            if shown == 5:
+                break
+    return sorted(rows, key=lambda row: (row[0], row[1]))
 
 
 def crop_shares(
