@@ -440,14 +440,14 @@ class InverseKinematics:
         >>> pose = arm.fk([0.5, 0.1, -0.9, 0.3, 0.2, 0.4, 3.0])
         >>> branches = arm.ik_all(pose, locked={"d1": 0.5})
         >>> branches.q.shape, int(branches.reached.sum())
-        ((8, 7), 8)
+        ((8, 7), 4)
 
         An arm with an offset wrist, and one of seven joints at 64 values of the last:
 
         >>> arm = ik.Robot.load("hydrolek")
         >>> branches = arm.ik_all(arm.fk([0.4, 0.3, -0.5, 0.2, 0.6, -0.1]))
         >>> branches.q.shape, int(branches.reached.sum())
-        ((16, 6), 8)
+        ((16, 6), 2)
         >>> arm = ik.Robot.load("panda")
         >>> branches = arm.ik_all(arm.fk([0.1, 0.3, 0.2, -1.5, 0.1, 1.8, 0.5]), sweep=64)
         >>> branches.q.shape

@@ -23,9 +23,9 @@ const RUN: usize = 32;
 
 /// A call: the arm, and which joint is locked where.
 pub struct AnyArm<'a> {
-    /// What is asked.
+    /// Targets, tool, start values, tolerances.
     pub request: Request<'a>,
-    /// How the arm was recognised.
+    /// The arm's axes.
     pub every: &'a Every,
     /// Joint along the chain and its values.
     pub lock: Option<(usize, Values<'a>)>,
