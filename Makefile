@@ -70,7 +70,7 @@ rigs: build $(VENV)/.dev ## the tests of firmware, plant and drivers alone
 
 rigs-full: build $(VENV)/.dev firmware ## an hour of simulated work and faults of each rig
 	PYTHONPATH=tests $(PY) tests/rigs_soak.py --minutes 60
-	$(PY) -m pytest tests/drivers/test_link.py --requests 5000
+	$(PY) -m pytest tests/drivers/test_link.py --requests 5000 --timeout 900
 
 damaged: build $(VENV)/.dev ## 2,000 damaged files: no traceback, < 500 MB, < 5 s each
 	$(PY) tests/io/damaged_files.py --files 2000

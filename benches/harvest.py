@@ -26,6 +26,7 @@ from agrik_fast import harvest, simd_level
 from agrik_fast.collision import Scene, greenhouse
 
 ROBOT = "cucumber"
+PITCH = 0.35
 
 
 def best_ms(work: Callable[[], Any], repeats: int = 15) -> tuple[float, Any]:
@@ -70,23 +71,22 @@ def decisions(scene: Scene) -> list[dict[str, Any]]:
 
 
 def crop_of(fruits: int, points: int) -> Scene:
-    """Return a row of plants, ten fruits and ten leaves each, 0.35 m apart."""
-    plants = max(1, fruits // 10)
-    length = 0.35 * plants
+    """Return a row of plants, four fruits and eight leaves each, 0.35 m apart."""
+    plants = max(1, fruits // 4)
     return greenhouse(
         seed=1,
         plants=plants,
-        leaves=10,
-        points=max(1, round(points / (10 * plants))),
-        fruits=10,
+        leaves=8,
+        points=max(1, round(points / (8 * plants))),
+        fruits=4,
         y0=0.0,
-        y1=length,
+        y1=PITCH * plants,
     )
 
 
 def crop(fruits: int, points: int, threads: int) -> dict[str, Any]:
     scene = crop_of(fruits, points)
-    length = 0.35 * max(1, fruits // 10)
+    length = PITCH * max(1, fruits // 4)
     stops = np.arange(0.4, length, 0.8)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     options = {"stops": stops, "threads": threads, "blockers": False}

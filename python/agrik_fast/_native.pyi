@@ -264,6 +264,7 @@ class Chain:
         collider: Collider | None = None,
         clear: float | None = None,
         prefer: str | None = None,
+        invalid: str | None = None,
     ) -> IkResult:
         """Solve a batch of targets; see `agrik_fast.Robot.ik`.
 
@@ -324,6 +325,7 @@ class Chain:
         sweep: int | None = None,
         wrap: bool = False,
         task: object = None,
+        invalid: str | None = None,
     ) -> Branches:
         """All branches of a batch of poses; see `agrik_fast.Robot.ik_all`."""
 
@@ -1331,7 +1333,7 @@ class HarvestStation:
         split : {"equal", "near-cubic"}, optional
             How they are cut into cells.
         moved : array_like, shape (3,), m, optional
-            How far `statics` are from where the scene has them: with the arm.
+            How far the arm and `statics` are from where they stand.
 
         Raises
         ------
@@ -1420,6 +1422,11 @@ class HarvestProgramme:
 
     def terms(self, q: ArrayLike) -> dict[str, Any]:
         """Return the terms of the cost at joint values, shape (..., dof)."""
+
+    def clearances(
+        self, q: ArrayLike, shifts: ArrayLike, threads: int | None = None
+    ) -> NDArray[np.float64]:
+        """Distance from the crop at joint values (n, dof), bodies shifted by (n, bodies, 3), m."""
 
     def search(
         self,

@@ -19,8 +19,6 @@ QUATERNION_LENGTH_TOLERANCE = 1e-3
 # The compiled core refuses by the same number and the same operations, so that what passes
 # here passes there.
 RIGID_TOLERANCE = 1e-6
-# Poses checked at a time; their entries and what is made of them stay in a core's cache.
-ROWS_IN_CACHE = 4096
 
 
 def from_quaternion(xyzw: FloatArray) -> FloatArray:
@@ -137,17 +135,6 @@ def transforms(position: FloatArray, rotation: FloatArray) -> FloatArray:
     return out
 
 
-def blank_non_rigid(pose: FloatArray) -> FloatArray:
-    """Return the (n, 4, 4) poses with NaN in place of those that are no rigid transform."""
-    bad = np.empty(len(pose), dtype=np.bool_)
-    for first in range(0, len(pose), ROWS_IN_CACHE):
-        rows = slice(first, first + ROWS_IN_CACHE)
-        bad[rows] = ~_are_rigid(pose[rows])
-    if not bad.any():
-        return pose
-    return np.where(bad[:, None, None], np.nan, pose)
-
-
 def are_rotations(rotation: FloatArray) -> NDArray[np.bool_]:
     """Return whether matrices, shape (..., 3, 3), are rotations; shape (...)."""
     rows = rotation.reshape(-1, 3, 3)
@@ -155,19 +142,6 @@ def are_rotations(rotation: FloatArray) -> NDArray[np.bool_]:
     with np.errstate(invalid="ignore", over="ignore"):
         rigid = _right_handed_orthonormal(x, y, z)
     return rigid.reshape(rotation.shape[:-2])
-
-
-def _are_rigid(pose: FloatArray) -> NDArray[np.bool_]:
-    # One long row for each of the sixteen entries: NumPy's operations on many small
-    # matrices cost several times what solving a pose does.
-    entries = np.ascontiguousarray(pose.reshape(-1, 16).T)
-    x, y, z = (entries[k:12:4] for k in range(3))
-    with np.errstate(invalid="ignore", over="ignore"):
-        rigid = _right_handed_orthonormal(x, y, z)
-        for k in range(12, 16):
-            rigid &= entries[k] == (k == 15)
-    rigid &= np.isfinite(entries[3:12:4]).all(axis=0)
-    return rigid
 
 
 def _right_handed_orthonormal(x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:

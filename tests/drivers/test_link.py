@@ -1,6 +1,7 @@
 """The link: nothing wrong is taken for an answer, nothing is carried out twice."""
 
 import socket
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -8,7 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agrik_fast.drivers import Link, LinkError, Simulator, StrawberryRig, WrongDeviceError
+from agrik_fast.drivers import (
+    Link,
+    LinkError,
+    RigError,
+    Simulator,
+    StrawberryRig,
+    WrongDeviceError,
+    _frames,
+)
 from agrik_fast.drivers._frames import Frame, FrameReader, encode
 from agrik_fast.drivers._messages import Board, Identity, Move, Report, Servo, State, Type
 from agrik_fast.errors import ArgumentError
@@ -111,6 +120,16 @@ def test_answers_of_another_length_are_another_protocol() -> None:
 
     with pytest.raises(WrongDeviceError, match="the answer to STATUS has 5 bytes"):
         Link(Answering(answer)).report()
+
+
+def test_without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "serial", None)
+    with pytest.raises(LinkError, match=r"serial ports need pyserial; .* agrik_fast\[drivers\]"):
+        Link("/dev/ttyACM0")
+    monkeypatch.setitem(sys.modules, "cobs", None)
+    _frames._cobs.cache_clear()
+    with pytest.raises(RigError, match=r"drivers need cobs and pyserial: the extra agrik_fast"):
+        Link(Answering(identity())).hello()
 
 
 # ---- arguments -------------------------------------------------------------------------------

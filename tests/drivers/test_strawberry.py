@@ -10,6 +10,7 @@ import pytest
 
 from agrik_fast.arms import StrawberryArm
 from agrik_fast.drivers import (
+    Arrival,
     ClearanceError,
     CommandRefusedError,
     LinkError,
@@ -135,7 +136,8 @@ def test_beyond_soft_limits() -> None:
             with pytest.raises(ArgumentError, match=message):
                 rig.move(q)  # type: ignore[arg-type]
         # The board has limits of its own, should a program get past these.
-        with pytest.raises(CommandRefusedError, match=r"a move of s10 to 661.9 mm: out of limits"):
+        refused = r"a move of s10 to 661.9 mm: out of limits"
+        with pytest.raises(CommandRefusedError, match=refused), rig._moving():
             rig._slide({0: 0.6619})
         assert rig.status().state == "idle"
 
@@ -158,7 +160,7 @@ def test_not_homed() -> None:
                 motion()
         with pytest.raises(RigError, match="is not homed: `home` before `pick`"):
             rig.pick(target=TARGET)
-        with pytest.raises(CommandRefusedError, match="not homed"):
+        with pytest.raises(CommandRefusedError, match="not homed"), rig._moving():
             rig._slide({0: 0.1})
         assert np.isnan(rig.status().q[:3]).all() and not rig.status().homed
 
@@ -304,6 +306,29 @@ def test_stop_from_another_thread() -> None:
         # Stopping is no fault: the next motion goes.
         rig.progress = None
         rig.move([0.1, 0.1, 0.07, 0, 0])
+
+
+@needs_simulator
+def test_a_stop_between_two_steps_ends_the_sequence() -> None:
+    with strawberry() as rig:
+        rig.home()
+        turn, turned = rig._turn, []
+
+        def then_stop(angles: dict[str, float]) -> list[Arrival]:
+            found = turn(angles)
+            turned.append(angles)
+            rig.stop()
+            return found
+
+        rig._turn = then_stop  # type: ignore[method-assign]
+        with pytest.raises(RigError, match="the motion was stopped"):
+            rig.pick(target=TARGET)
+        assert len(turned) == 1
+        rig._turn = turn  # type: ignore[method-assign]
+        before = rig.link.report().servo[3]
+        # The gripper has not closed, and the next motion goes.
+        assert before == (2 * 1900)
+        rig.reset()
 
 
 @needs_simulator

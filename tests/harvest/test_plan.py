@@ -123,7 +123,7 @@ def test_recovery() -> None:
 
 def test_any_thread_count_gives_the_same(scene: Scene) -> None:
     targets = {
-        f"t{k}": Target((0.64, 0.04 + 0.01 * k, 1.07), ("C1", "stalk_C1")) for k in range(30)
+        f"t{k}": Target((0.64, 0.04 + 0.01 * k, 1.07), ("C1", "stalk_C1")) for k in range(15)
     }
     settings = harvest.Settings(refine=True, tilt=0.1, shift=0.02)
     one = harvest.plan("cucumber", scene, targets, settings=settings, threads=1)

@@ -26,8 +26,8 @@ from agrik_fast.collision import (
 
 PAIRS = 400
 KINDS = ("sphere", "capsule", "box", "convex")
-Made = tuple[Any, Any, np.ndarray]
-"""Our solid in its place, coal's geometry, and where that is (4, 4)."""
+Made = tuple[Any, Any, np.ndarray, float]
+"""Our solid in its place, coal's geometry, where that is (4, 4), and the radius round it."""
 
 
 def pose(random: np.random.Generator, spread: float) -> np.ndarray:
@@ -41,22 +41,25 @@ def solid(kind: str, random: np.random.Generator, spread: float) -> Made:
     flat = random.random() < 0.1
     if kind == "sphere":
         radius = 0.0 if flat else random.uniform(0.01, 0.3)
-        return Sphere((0, 0, 0), radius).moved(where), coal.Sphere(radius), where
+        return Sphere((0, 0, 0), radius).moved(where), coal.Sphere(radius), where, 0.0
     if kind == "capsule":
         radius, half = random.uniform(0.01, 0.2), 0.0 if flat else random.uniform(0.0, 0.4)
         ours = Capsule((0, 0, -half), (0, 0, half), radius)
-        return ours.moved(where), coal.Capsule(radius, 2 * half), where
+        return ours.moved(where), coal.Capsule(radius, 2 * half), where, 0.0
+    # The radius round a box or a hull is none of coal's.
+    around = random.choice([0.0, random.uniform(0.0, 0.1)])
     if kind == "box":
         half = random.uniform(0.01, 0.3, 3)
         if flat:
             half[random.integers(3)] = 1e-6
-        return Box((0, 0, 0), half).moved(where), coal.Box(*(2 * half)), where
+        ours_box = Box((0, 0, 0), half, radius=around)
+        return ours_box.moved(where), coal.Box(*(2 * half)), where, around
     points = random.normal(size=(random.integers(4, 20), 3))
     points *= random.uniform(0.05, 0.3) / np.linalg.norm(points, axis=1, keepdims=True)
     vertices = coal.StdVec_Vec3s()
     vertices.extend(list(points))
     hull = coal.Convex.convexHull(vertices, False, None)
-    return Convex(points).moved(where), hull, where
+    return Convex(points, around).moved(where), hull, where, around
 
 
 def transform(where: np.ndarray) -> Any:
@@ -68,15 +71,8 @@ def by_coal(one: Made, other: Made) -> float:
     request.gjk_max_iterations = 1000
     request.gjk_tolerance = 1e-13
     request.enable_signed_distance = False
-    return float(
-        coal.distance(one[1], transform(one[2]), other[1], transform(other[2]), request, result)
-    )
-
-
-def hit_by_coal(one: Made, other: Made) -> bool:
-    request, result = coal.CollisionRequest(), coal.CollisionResult()
-    geometry = (one[1], transform(one[2]), other[1], transform(other[2]))
-    return bool(coal.collide(*geometry, request, result))
+    where = transform(one[2]), transform(other[2])
+    return float(coal.distance(one[1], where[0], other[1], where[1], request, result))
 
 
 def ours(one: Any, other: Any) -> tuple[float, bool]:
@@ -96,15 +92,15 @@ def test_pairs_are_as_far_apart_as_coal_says(first: str, second: str) -> None:
         one, other = solid(first, random, spread), solid(second, random, spread)
         for a, b in ((one, other), (other, one)):
             gap, hit = ours(a[0], b[0])
-            expected = by_coal(a, b)
-            scale = max(1.0, np.abs([*a[2][:3, 3], *b[2][:3, 3]]).max())
-            if expected > 1e-7:
+            cores = by_coal(a, b)
+            expected = cores - a[3] - b[3]
+            assert hit == (gap <= 0)
+            if cores > 1e-7:
                 apart += 1
-                assert not hit
-                assert gap == pytest.approx(expected, abs=1e-9 * scale, rel=1e-9), (number, a, b)
-            elif gap > 1e-7 or gap < -1e-7:
-                # Coal calls a touch what is nearer than its tolerance.
-                assert hit == (gap <= 0) == hit_by_coal(a, b)
+                assert gap == pytest.approx(expected, abs=1e-9, rel=1e-9), (number, a, b)
+                assert hit == (expected <= 0) or abs(expected) < 1e-9
+            else:  # where they meet, depths are coal's own affair
+                assert gap <= 1e-7
     assert apart > PAIRS / 2
 
 
@@ -117,13 +113,10 @@ def test_half_spaces_are_as_far_away_as_coal_says(kind: str) -> None:
         normal /= np.linalg.norm(normal)
         offset = random.uniform(-0.5, 0.5)
         gap, hit = ours(one[0], HalfSpace(normal, offset))
-        plane = (None, coal.Halfspace(normal, offset), np.eye(4))
-        expected = by_coal(one, plane)
+        plane = (None, coal.Halfspace(normal, offset), np.eye(4), 0.0)
+        expected = by_coal(one, plane) - one[3]
         assert hit == (gap <= 0)
-        if expected > 1e-7:
-            assert gap == pytest.approx(expected, abs=1e-9)
-        else:
-            assert gap <= 1e-7
+        assert gap == pytest.approx(expected, abs=1e-9) or max(gap, expected) <= 1e-7
 
 
 @pytest.mark.parametrize("name", ["panda", "cucumber"])
@@ -143,7 +136,7 @@ def test_arms_in_scenes_are_as_far_away_as_coal_says(name: str) -> None:
             if number == 0:
                 continue
             placed = made(body.shape.moved(rigid(frames[number])))
-            least = min(by_coal(placed, thing) for thing in things)
+            least = min(by_coal(placed, thing) - placed[3] - thing[3] for thing in things)
             if least > 1e-7:
                 assert found.distance[row, k] == pytest.approx(least, abs=1e-9)
             else:
@@ -161,7 +154,7 @@ def made(shape: Any) -> Made:
     where = np.eye(4)
     if isinstance(shape, Sphere):
         where[:3, 3] = shape.centre
-        return shape, coal.Sphere(shape.radius), where
+        return shape, coal.Sphere(shape.radius), where, 0.0
     if isinstance(shape, Capsule):
         a, b = np.array(shape.a), np.array(shape.b)
         length = float(np.linalg.norm(b - a))
@@ -170,11 +163,9 @@ def made(shape: Any) -> Made:
         side /= np.linalg.norm(side)
         where[:3, :3] = np.stack([side, np.cross(along, side), along], axis=-1)
         where[:3, 3] = (a + b) / 2
-        return shape, coal.Capsule(shape.radius, length), where
+        return shape, coal.Capsule(shape.radius, length), where, 0.0
     if isinstance(shape, HalfSpace):
-        return shape, coal.Halfspace(np.array(shape.normal), shape.offset), where
+        return shape, coal.Halfspace(np.array(shape.normal), shape.offset), where, 0.0
     assert isinstance(shape, Box)
     where[:3, :3], where[:3, 3] = np.array(shape.rotation), shape.centre
-    box = coal.Box(*(2 * np.array(shape.half)))
-    box.setSweptSphereRadius(shape.radius)
-    return shape, box, where
+    return shape, coal.Box(*(2 * np.array(shape.half))), where, shape.radius

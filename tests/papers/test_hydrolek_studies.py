@@ -20,6 +20,12 @@ def test_jacobian_methods_stand_in_the_success_counts():
         row = rows[name, "zero"]
         assert row[2] == "992 to 999"
         assert abs(row[3] - reached) <= 3
+    for row in rows.values():
+        assert 0 <= row[7] <= 1000 - row[3]
+    # IK-PID's failures on the periphery: 4 of 7 of the first set from zero, 7 of 7 from the
+    # middle.
+    for start, at_edge in (("zero", 4), ("middle", 7)):
+        assert abs(rows["IK-PID, tuned", start][7] - at_edge) <= 2
 
 
 def test_goals_are_lost_at_the_edge_more_than_elsewhere():

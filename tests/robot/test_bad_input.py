@@ -95,15 +95,15 @@ def test_poses_that_are_not_rigid(call, pose, change, fault):
     expected = "a rigid transform, [R t; 0 0 0 1] with R^T R = 1 and det R = 1"
     change(pose)
     with pytest.raises(ArgumentError) as error:
-        call(pose)
+        call(pose, invalid="raise")
     assert message(error) == f"`targets`: expected {expected}, got {fault}"
     batch = np.tile(np.eye(4), (3, 5, 1, 1))
     batch[1, 2] = pose
     with pytest.raises(ArgumentError) as error:
-        call(batch)
+        call(batch, invalid="raise")
     assert message(error) == f"`targets[1, 2]`: expected {expected}, got {fault}"
     with pytest.raises(ArgumentError) as error:
-        call(batch.reshape(15, 4, 4))
+        call(batch.reshape(15, 4, 4), invalid="raise")
     assert error.value.argument == "targets[7]"
 
 

@@ -364,8 +364,6 @@ def test_an_arm_without_closed_form_says_why(load_robot, name, why):
     assert arm.closed_form is None
     target = arm.fk(arm.random_q(seed=0))
     with pytest.raises(ArgumentError, match=why):
-        arm.ik_all(target)
-    with pytest.raises(ArgumentError, match=why):
         arm.ik(target, solver="closed_form")
 
 
@@ -377,9 +375,30 @@ def test_auto_is_the_closed_form_for_poses_and_lm_for_the_rest(load_robot):
     assert (auto.iterations == 0).all()
     points = targets[:, :3, 3]
     assert (arm.ik(points, solver="auto").q == arm.ik(points).q).all()
-    other = load_robot("ur5")
+    other = load_robot("hydrolek")
     targets = other.fk(other.random_q(50, seed=1))
     assert (other.ik(targets, solver="auto").q == other.ik(targets).q).all()
+
+
+def test_auto_takes_other_closed_forms_and_is_never_worse_than_lm(load_robot):
+    arm = load_robot("ur5")
+    rng = np.random.default_rng(4)
+    q = arm.random_q(500, seed=1)
+    q[:50, 4] = 0.0  # straight wrists
+    q[50:100] = np.where(rng.random((50, 6)) < 0.5, arm.lower, arm.upper)
+    targets = arm.fk(q)
+    auto = arm.ik(targets, solver="auto")
+    plain = arm.ik(targets)
+    assert (auto.success | ~plain.success).all()
+    assert (auto.iterations[100:] == 0).mean() > 0.99
+    assert auto.position_error[auto.success].max() < 1e-9
+    near = arm.ik(targets[100:], q0=q[100:], solver="auto")
+    assert np.abs(near.q - q[100:]).max() < 1e-6
+    far = targets[:3].copy()
+    far[:, 0, 3] += 10.0
+    assert (arm.ik(far, solver="auto").status == arm.ik(far).status).all()
+    for i in range(100, 110):
+        assert (arm.ik(targets[i], solver="auto").q == auto.q[i]).all()
 
 
 @pytest.mark.parametrize("name", ["puma560", "redundant7"])

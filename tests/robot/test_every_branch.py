@@ -202,7 +202,7 @@ def test_sweep() -> None:
     found = panda.ik_all(poses, sweep=64)
     assert found.q.shape == (3, 64 * 8, 7)
     values = found.value.reshape(3, 64, 8)
-    assert (values[..., 0] == np.linspace(panda.lower[6], panda.upper[6], 64)).all()
+    assert np.allclose(values[..., 0], np.linspace(panda.lower[6], panda.upper[6], 64))
     assert (found.branch.reshape(3, 64, 8) == np.arange(8)).all()
     assert np.allclose(found.q[..., 6], found.value)
     row, branch = np.nonzero(found.reached)
@@ -216,7 +216,8 @@ def test_sweep() -> None:
     assert len(np.unique(angles.value)) == 8
     cucumber = ik.Robot.load("cucumber")
     slide = cucumber.ik_all(cucumber.fk(cucumber.random_q(seed=3)), sweep=5)
-    assert (np.unique(slide.value) == np.linspace(cucumber.lower[0], cucumber.upper[0], 5)).all()
+    places = np.linspace(cucumber.lower[0], cucumber.upper[0], 5)
+    assert np.allclose(np.unique(slide.value), places)
     nowhere = np.eye(4)
     nowhere[0, 3] = 30.0
     assert panda.ik_all(nowhere, sweep=4).status == Status.NOT_FOUND
@@ -381,7 +382,8 @@ def test_wrong_arguments_say_what_was_expected() -> None:
     with pytest.raises(ArgumentError, match="sweep"):
         of_reference(SIX["ur5"]).ik_all(pose, sweep=3)
     with pytest.raises(ArgumentError, match="rigid"):
-        panda.ik_all(2.0 * np.eye(4))
+        panda.ik_all(2.0 * np.eye(4), invalid="raise")
+    assert panda.ik_all(2.0 * np.eye(4)).status == Status.BAD_INPUT
     with pytest.raises(ArgumentError, match="arm_angle"):
         panda.ik_all(pose, arm_angle=0.1)
     assert panda.ik_all(pose, locked={last: np.nan}).status == Status.BAD_INPUT

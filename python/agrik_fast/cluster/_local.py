@@ -49,7 +49,10 @@ class _Process:
         )
         self._events = events
         self.tell(setup)
-        threading.Thread(target=self._listen, name="agrik-fast-worker", daemon=True).start()
+        self._listener = threading.Thread(
+            target=self._listen, name="agrik-fast-worker", daemon=True
+        )
+        self._listener.start()
 
     def tell(self, message: Any) -> None:
         # One that is gone is noticed by its answers.
@@ -76,6 +79,8 @@ class _Process:
         if self.popen.poll() is None:
             self.popen.kill()
         self.popen.wait()
+        # It reads to the end of the pipe, which must not be closed under its hands.
+        self._listener.join(GRACE_S)
         for stream in (self.popen.stdin, self.popen.stdout, self.errors):
             if stream is not None:
                 with contextlib.suppress(OSError):

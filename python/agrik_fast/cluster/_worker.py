@@ -40,7 +40,7 @@ def receive(stream: BinaryIO) -> Any:
             return None
         (size,) = _SIZE.unpack(head)
         data = stream.read(size)
-    except OSError:
+    except (OSError, ValueError):
         return None
     return pickle.loads(data) if len(data) == size else None
 

@@ -19,8 +19,9 @@ from ._errors import (
 )
 from ._link import Link, LinkStatistics
 from ._rig import RigStatus
+from ._runs import Arrival, Run
 from ._simulator import Simulator
-from ._strawberry import Arrival, Run, StrawberryRig
+from ._strawberry import StrawberryRig
 from ._tomato import TomatoRig
 from ._transport import SerialTransport, Transport
 

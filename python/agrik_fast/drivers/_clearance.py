@@ -37,7 +37,8 @@ class Surroundings:
     arm_radius : float, m
         Half the thickness of column and upper link; assumed.
     give : float, m
-        How deep the gripper may be among leaves while it comes down to a fruit or leaves it.
+        How deep gripper and upper link may be among leaves while the arm comes down to a fruit
+        or leaves it: fruits low on the plant cannot be had otherwise. Assumed.
 
     Raises
     ------
@@ -50,7 +51,7 @@ class Surroundings:
     bed_top: float = -0.495
     bed_half_width: float = 0.15
     arm_radius: float = 0.01
-    give: float = 0.005
+    give: float = 0.025
 
     def __post_init__(self) -> None:
         finite_array("Surroundings.plant_centre", self.plant_centre, (3,))
@@ -106,7 +107,7 @@ class Surroundings:
         names : sequence of str
             What each step is called, one fewer than there are postures.
         gentle : sequence of bool
-            On which steps the gripper may be among leaves.
+            On which steps gripper and upper link may be among leaves.
 
         Raises
         ------
@@ -131,7 +132,8 @@ class Surroundings:
         depths = self._depths(arm, start + share * (end - start))
         worst: tuple[tuple[str, str], float] | None = None
         for pair, depth in depths.items():
-            allowed = self.give if soft and pair[0] == "gripper" else 0.0
+            among_leaves = soft and pair in (("gripper", "plant"), ("upper link", "plant"))
+            allowed = self.give if among_leaves else 0.0
             deepest = float(depth.max())
             if deepest > allowed + _STEP_M / 2 and (worst is None or deepest > worst[1]):
                 worst = pair, deepest

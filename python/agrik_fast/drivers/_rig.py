@@ -111,6 +111,7 @@ class Rig(abc.ABC):
         # Motions are one at a time; stopping is possible at any time, from any thread.
         self._motion = threading.RLock()
         self._stopped = threading.Event()
+        self._depth = 0
 
     # ---- the line ----------------------------------------------------------------------------
 
@@ -282,16 +283,23 @@ class Rig(abc.ABC):
     def _moving(self) -> Iterator[None]:
         """Have the rig to oneself; whatever goes wrong inside, what moves is stopped."""
         with self._motion:
-            self._stopped.clear()
+            # A sequence is one motion: a stop between two of its steps ends all of it.
+            if self._depth == 0:
+                self._stopped.clear()
+            self._depth += 1
             try:
                 yield
             except BaseException:
                 if self._link is not None:
                     self._stop_quietly()
                 raise
+            finally:
+                self._depth -= 1
 
     def _command(self, kind: Type, payload: bytes, what: str) -> None:
         """Have a motion begun; a refusal for a fault names the fault."""
+        if self._stopped.is_set():
+            raise RigError("the motion was stopped")
         try:
             self.link.command(kind, payload, what)
         except CommandRefusedError as error:

@@ -9,15 +9,15 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
-import signal
 import subprocess
 import threading
 import weakref
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Literal, Self
 
+from .._background import Started
 from .._checks import real_number, shown, text, truth_value, word
 from ..errors import ArgumentError
 from ._errors import LinkError, SimulatorError
@@ -27,7 +27,6 @@ FREQUENCY = 16_000_000
 
 BOARDS = {"strawberry": "mega2560", "tomato": "mega8"}
 _TOOLS = ("make", "cc", "avr-gcc", "pkg-config")
-_SIGNALS = {signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}
 
 
 def firmware_folder() -> Path:
@@ -119,6 +118,7 @@ class Simulator:
         board = BOARDS[rig]
         program = built(f"{board}{'-test' if test_build else ''}.elf")
         self._lock = threading.RLock()
+        self._pipe = threading.Lock()
         self._lines = bytearray()
         self._arrived = bytearray()
         self._sent = 0
@@ -144,8 +144,15 @@ class Simulator:
         self.run(0.005)
 
     def _ask(self, command: str) -> str:
-        # A signal between question and answer would leave the answer to the next question.
-        with self._lock, _held_signals():
+        """Put a question to the simulator, in a thread of its own.
+
+        Signals raise in the main thread alone, at any place: here they could only part an answer
+        from its question, or bytes that came from their count.
+        """
+        return Started(lambda: self._exchange(command), "simulator").result()
+
+    def _exchange(self, command: str) -> str:
+        with self._pipe:
             if self._process.poll() is not None:
                 raise SimulatorError("the simulator ended")
             assert self._process.stdin and self._process.stdout
@@ -156,13 +163,30 @@ class Simulator:
                     if not more:
                         raise SimulatorError("the simulator ended")
                     self._lines += more
-            except OSError as error:
+            except (OSError, ValueError) as error:
                 raise SimulatorError(f"the simulator ended: {error}") from None
             line, _, self._lines = self._lines.partition(b"\n")
-        answer = line.decode()
-        if answer.startswith("error "):
-            raise SimulatorError(f"{answer.removeprefix('error ')} ({command.split()[0]})")
+            answer = line.decode()
+            if answer.startswith("error "):
+                verb = command.split()[0]
+                raise SimulatorError(f"{answer.removeprefix('error ')} ({verb})")
+            if command.startswith("run "):
+                self._count(answer, command)
         return answer
+
+    def _count(self, answer: str, command: str) -> None:
+        """Take what came, and see that both sides have the same totals.
+
+        A lost byte would be a fault of the pipe, not of the line.
+        """
+        cycle, arrived, taken, given = answer.split()
+        self._cycle = int(cycle)
+        self._sent += len(bytes.fromhex("".join(command.split()[3:])))
+        if arrived != "-":
+            self._arrived += bytes.fromhex(arrived)
+            self._given += len(arrived) // 2
+        if int(given) != self._given or int(taken) > self._sent:
+            raise SimulatorError(f"totals differ: {given} and {self._given} bytes from the board")
 
     def set(self, name: str, value: float) -> None:
         """Set a number of the plant: ``slide0.jammed``, ``servo2.noise``, ``cable``, ``estop``."""
@@ -183,17 +207,7 @@ class Simulator:
 
     def _run(self, seconds: float, stop: bool, data: bytes = b"") -> None:
         cycles = max(int(seconds * FREQUENCY), 1)
-        cycle, arrived, taken, given = self._ask(
-            f"run {cycles} {int(stop)} {data.hex()}".rstrip()
-        ).split()
-        self._cycle = int(cycle)
-        self._sent += len(data)
-        if arrived != "-":
-            self._arrived += bytes.fromhex(arrived)
-            self._given += len(arrived) // 2
-        # Both sides state their totals: a lost byte is a fault of the pipe, not of the line.
-        if int(given) != self._given or int(taken) > self._sent:
-            raise SimulatorError(f"totals differ: {given} and {self._given} bytes from the board")
+        self._ask(f"run {cycles} {int(stop)} {data.hex()}".rstrip())
 
     def run(self, seconds: float) -> None:
         """Let time pass."""
@@ -220,7 +234,8 @@ class Simulator:
                     self._run(timeout, stop=True)
                 except SimulatorError as error:
                     raise LinkError(self.name, f"the line broke: {error}") from None
-            data, self._arrived = bytes(self._arrived), bytearray()
+            with self._pipe:
+                data, self._arrived = bytes(self._arrived), bytearray()
         return data
 
     def now(self) -> float:
@@ -257,19 +272,6 @@ def _end(process: subprocess.Popen[bytes]) -> None:
     except subprocess.TimeoutExpired:
         process.kill()
         process.wait()
-
-
-@contextlib.contextmanager
-def _held_signals() -> Iterator[None]:
-    """Let signals wait that would otherwise raise in the main thread."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def plant_numbers(rig: str) -> dict[str, float]:

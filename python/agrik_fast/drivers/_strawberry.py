@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -16,68 +14,22 @@ from ..arms import Command, StrawberryArm
 from ..errors import ArgumentError
 from ._calibration import Calibration
 from ._clearance import Surroundings
-from ._errors import ClearanceError, OutOfReachError, RigError
+from ._errors import OutOfReachError, RigError
 from ._messages import Board, Home, Move, Report, Servo, Type
 from ._rig import Progress, Rig, finite, within
+from ._runs import Arrival, Run
 from ._transport import Transport
+from ._ways import H_EXTRA, Ways
 
-__all__ = ["Arrival", "Run", "StrawberryRig"]
+__all__ = ["StrawberryRig"]
 
 SLIDES, SERVOS = ("s10", "s21", "s32"), ("theta", "beta", "psi")
-H_EXTRA = 0.03
-"""How far above its end the arm waits, m, unless more is needed."""
-
 # Pulse to pulse, and a little to come to rest.
 _SERVO_LAG_S = 0.03
 # Beyond the time that a move should take.
 _PATIENCE_S = 5.0
 Method = Literal["exact", "as", "ssas", "ncos"]
 METHODS = ("exact", "as", "ssas", "ncos")
-
-
-@dataclass(frozen=True, slots=True)
-class Arrival:
-    """One motion that ended.
-
-    Attributes
-    ----------
-    axis : str
-        What moved.
-    target : float, m or rad
-        Where to; for the gripper 1 is open and 0 closed.
-    begin, end : float, s
-        By the clock of the line.
-    encoder_error : float, m
-        Encoder less command when the slide stood; 0 for servos, which have none.
-    """
-
-    axis: str
-    target: float
-    begin: float
-    end: float
-    encoder_error: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class Run:
-    """A command sequence that was carried out.
-
-    Attributes
-    ----------
-    q : ndarray, shape (6,), m and rad
-        Joint values at its end, as commanded.
-    seconds : float
-        From the first command to the last end.
-    h_extra : float, m
-        How far above its end the arm waited.
-    steps : tuple of Arrival
-        The steps.
-    """
-
-    q: FloatArray
-    seconds: float
-    h_extra: float
-    steps: tuple[Arrival, ...]
 
 
 class StrawberryRig(Rig):
@@ -146,6 +98,10 @@ class StrawberryRig(Rig):
         self.arm = StrawberryArm()
         self._upward = [True] * 3
         self._turned: dict[str, float] = {}
+
+    @property
+    def _ways(self) -> Ways:
+        return Ways(self.arm, self.surroundings)
 
     # ---- limits ------------------------------------------------------------------------------
 
@@ -415,7 +371,9 @@ class StrawberryRig(Rig):
         given = None if h_extra is None else real_number("h_extra", h_extra, 0, unit="m")
         with self._moving():
             here = self._known("pick")
-            height = self._height(here, values, given)
+            height = self._ways.height(
+                lambda extra: self._ways.check(here, values, extra), given, float(values[2])
+            )
             commands = self.arm.commands(values[:5], psi=float(values[5]), h_extra=height)
             begin = self.link.transport.now()
             steps = [arrival for step in commands for arrival in self._carry_out(step)]
@@ -432,20 +390,8 @@ class StrawberryRig(Rig):
         h_extra : float, default 0.03, m
             How far it is lifted first; no further than home.
         """
-        values = self._roughly("q", q)
         h_extra = real_number("h_extra", h_extra, 0, unit="m")
-        home = self.arm.reset_pose
-        # Home is as high as it goes; within the play of the slide it may seem to be higher.
-        lifted = max(float(values[2]) - h_extra, float(home[2]))
-        return [
-            Command("s32", lifted),
-            Command("psi", 0.0),
-            Command("beta", float(home[4])),
-            Command("theta", float(home[3])),
-            Command("s21", float(home[1])),
-            Command("s10", float(home[0])),
-            Command("s32", float(home[2])),
-        ]
+        return self._ways.back(self._roughly("q", q), h_extra)
 
     def reset(self, *, h_extra: float | None = None) -> Run:
         """Bring the arm home (step 7 of remark 3): lift first, then back; the gripper stays.
@@ -463,7 +409,9 @@ class StrawberryRig(Rig):
         given = None if h_extra is None else real_number("h_extra", h_extra, 0, unit="m")
         with self._moving():
             here = self._known("reset")
-            height = self._least(lambda extra: self._check_back(here, extra), given, float(here[2]))
+            height = self._ways.height(
+                lambda extra: self._ways.check_back(here, extra), given, float(here[2])
+            )
             begin = self.link.transport.now()
             steps = [a for step in self.way_back(here, height) for a in self._carry_out(step)]
             end = np.append(self.arm.reset_pose, 0.0)
@@ -475,13 +423,6 @@ class StrawberryRig(Rig):
         if step.axis in SLIDES:
             return self._slide({SLIDES.index(step.axis): step.target})
         return self._turn({step.axis: step.target})
-
-    # ---- clearance ---------------------------------------------------------------------------
-
-    def _height(self, here: FloatArray, values: FloatArray, given: float | None) -> float:
-        return self._least(
-            lambda extra: self.check_ways(here, values, extra), given, float(values[2])
-        )
 
     def check_ways(self, here: ArrayLike, q: ArrayLike, h_extra: float) -> None:
         """See whether `pick` and the way back stay clear of plant and bed.
@@ -499,49 +440,7 @@ class StrawberryRig(Rig):
             Names the pair that would touch, and the step.
         """
         start, end = self._roughly("here", here), self._checked("q", q)
-        h_extra = real_number("h_extra", h_extra, 0, unit="m")
-        commands = self.arm.commands(end[:5], h_extra=h_extra)
-        self._check_way(start, commands, "way out", gentle=(7, 8))
-        self._check_back(end, h_extra)
-
-    def _check_back(self, here: FloatArray, extra: float) -> None:
-        self._check_way(here, self.way_back(here, extra), "way back", gentle=(0,))
-
-    def _least(self, check: Callable[[float], None], given: float | None, s32: float) -> float:
-        """Return the first height that passes a check; the given one must."""
-        if self.surroundings is None:
-            return H_EXTRA if given is None else given
-        if given is not None:
-            check(given)
-            return given
-        highest = max(s32 - float(self.arm.reset_pose[2]), 0.0)
-        heights = [*np.arange(H_EXTRA, highest, 0.01).tolist(), max(highest, H_EXTRA)]
-        refusal: ClearanceError | None = None
-        for height in heights:
-            try:
-                check(height)
-            except ClearanceError as error:
-                refusal = error
-            else:
-                return float(height)
-        assert refusal is not None
-        raise refusal
-
-    def _check_way(
-        self, start: FloatArray, steps: Sequence[Command], way: str, gentle: tuple[int, ...]
-    ) -> None:
-        if self.surroundings is None:
-            return
-        order = self.joint_names
-        postures, names, soft = [start[:5].copy()], list[str](), list[bool]()
-        for number, step in enumerate(steps):
-            posture = postures[-1].copy()
-            if step.axis in order[:5]:
-                posture[order.index(step.axis)] = step.target
-            postures.append(posture)
-            names.append(f"{number + 1} of the {way} ({step.axis})")
-            soft.append(number in gentle)
-        self.surroundings.check_way(self.arm, postures, names, soft)
+        self._ways.check(start, end, real_number("h_extra", h_extra, 0, unit="m"))
 
     # ---- where it is -------------------------------------------------------------------------
 

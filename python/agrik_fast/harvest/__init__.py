@@ -6,7 +6,8 @@ from ._plan import Blockers, blockers, plan
 from ._programme import Programme, Runs, Terms, Weights
 from ._report import summary, write_report
 from ._scenes import SCENES, example_scene
-from ._settings import Settings
+from ._sensitivity import Errors, Sensitivity, Simulated, sensitivity, simulate
+from ._settings import Distance, Settings
 
 __all__ = [
     "SCENES",
@@ -14,10 +15,14 @@ __all__ = [
     "Blockers",
     "Decision",
     "Decisions",
+    "Distance",
+    "Errors",
     "Evaluation",
     "Programme",
     "Runs",
+    "Sensitivity",
     "Settings",
+    "Simulated",
     "Stage",
     "Status",
     "Terms",
@@ -26,6 +31,8 @@ __all__ = [
     "evaluate",
     "example_scene",
     "plan",
+    "sensitivity",
+    "simulate",
     "summary",
     "write_report",
 ]

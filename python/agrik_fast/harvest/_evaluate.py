@@ -209,7 +209,7 @@ def evaluate(
         for stop, rows in _runs(order[first : first + RUN], at):
             if stop not in crops:
                 place = float(places[stop])
-                crops = {stop: Crop(robot, crop, distance, level, split, place)}
+                crops = {stop: Crop(made.robot, crop, distance, level, split, place)}
             station = crops[stop].station
             points, names = chosen.points[rows], [chosen.names[k] for k in rows]
             objects = [chosen.objects[k] for k in rows]

@@ -60,8 +60,6 @@ class Crop:
         if not isinstance(self.robot, Robot):
             raise ArgumentError("robot", shown(robot), "a Robot or the name of one")
         self.along = along
-        if along != 0:
-            self.robot = moved_along(self.robot, along)
         if not isinstance(scene, Scene):
             raise ArgumentError("scene", shown(scene), "a Scene")
         self.scene = scene

@@ -43,7 +43,7 @@ def _doubles(rows: NDArray[Any]) -> NDArray[np.float64]:
 
 
 def _poses(rows: NDArray[Any]) -> NDArray[np.float64]:
-    return _rotations.blank_non_rigid(_doubles(rows))
+    return _doubles(rows)
 
 
 class NpyReader(TargetReader):

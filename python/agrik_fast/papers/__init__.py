@@ -13,7 +13,7 @@ from pathlib import Path
 
 __all__ = ["PAPERS", "reproduce"]
 
-PAPERS = ("strawberry", "tomato", "hydrolek", "redundant7")
+PAPERS = ("strawberry", "tomato", "hydrolek", "redundant7", "cucumber")
 """Names of the papers, each a package here."""
 
 

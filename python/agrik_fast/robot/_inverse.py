@@ -23,6 +23,8 @@ __all__ = ["InverseKinematics"]
 
 
 Prefer: TypeAlias = Literal["first", "near", "clearance"]
+Invalid: TypeAlias = Literal["mark", "raise", "straighten"]
+INVALID = ("mark", "raise", "straighten")
 """Which of several postures that are free of collisions."""
 
 PREFERENCES: tuple[Prefer, ...] = ("first", "near", "clearance")
@@ -60,6 +62,7 @@ class InverseKinematics:
         scene: SceneOf | Collider | None = None,
         clear: float = 0.0,
         prefer: Prefer = "first",
+        invalid: Invalid = "mark",
     ) -> IkResult:
         """Inverse kinematics of a batch of targets.
 
@@ -117,6 +120,11 @@ class InverseKinematics:
             its own choice), the nearest to `q0` (without it to the middle of the limits), or
             the one farthest away from everything, which a redundant arm then moves farther
             away. The last two look at more postures, and take longer.
+        invalid : {"mark", "raise", "straighten"}, default "mark"
+            What becomes of poses that are no rigid transforms. "mark": those that rounding to
+            three or more decimals explains are straightened, with ``Warnings.STRAIGHTENED`` in
+            ``warnings``; the others are ``Status.BAD_INPUT``. "straighten": also what is off by
+            up to two per cent, as for `agrik_fast.rotations.straighten`. "raise": an error.
 
         Returns
         -------
@@ -127,8 +135,8 @@ class InverseKinematics:
         Raises
         ------
         ArgumentError
-            A wrong shape, type or value of an argument; a transform that is not rigid.
-            Non-finite rows of `targets` or `q0` do not raise: their status is
+            A wrong shape, type or value of an argument; with ``invalid="raise"`` a transform
+            that is not rigid. Non-finite rows of `targets` or `q0` do not raise: their status is
             ``Status.BAD_INPUT``.
         UnknownNameError
             Unknown task or solver; names the nearest.
@@ -166,6 +174,7 @@ class InverseKinematics:
             _collider(self, scene),
             clear,
             word("prefer", prefer, PREFERENCES),
+            word("invalid", invalid, INVALID),
         )
 
     def solver(
@@ -344,6 +353,7 @@ class InverseKinematics:
         sweep: int | None = None,
         wrap: bool = False,
         task: Task | str | None = None,
+        invalid: Invalid = "mark",
     ) -> Branches:
         """Every branch of the inverse kinematics: all real solutions of each target.
 
@@ -391,6 +401,8 @@ class InverseKinematics:
         task : task or {"pose", "position", "axis"}, optional
             What counts as reached, see `agrik_fast.tasks`: "axis" for arms of five joints,
             "position" for arms of three. Default: by the shape of the targets, as for `ik`.
+        invalid : {"mark", "raise", "straighten"}, default "mark"
+            As for `ik`.
 
         Returns
         -------
@@ -428,14 +440,14 @@ class InverseKinematics:
         >>> pose = arm.fk([0.5, 0.1, -0.9, 0.3, 0.2, 0.4, 3.0])
         >>> branches = arm.ik_all(pose, locked={"d1": 0.5})
         >>> branches.q.shape, int(branches.reached.sum())
-        ((8, 7), 8)
+        ((8, 7), 4)
 
         An arm with an offset wrist, and one of seven joints at 64 values of the last:
 
         >>> arm = ik.Robot.load("hydrolek")
         >>> branches = arm.ik_all(arm.fk([0.4, 0.3, -0.5, 0.2, 0.6, -0.1]))
         >>> branches.q.shape, int(branches.reached.sum())
-        ((16, 6), 8)
+        ((16, 6), 2)
         >>> arm = ik.Robot.load("panda")
         >>> branches = arm.ik_all(arm.fk([0.1, 0.3, 0.2, -1.5, 0.1, 1.8, 0.5]), sweep=64)
         >>> branches.q.shape
@@ -454,6 +466,7 @@ class InverseKinematics:
             sweep,
             wrap,
             task,
+            word("invalid", invalid, INVALID),
         )
 
     def arm_angle(self, q: ArrayLike) -> FloatArray:
@@ -525,6 +538,7 @@ class InverseKinematics:
         scene: SceneOf | Collider | None = None,
         clear: float = 0.0,
         prefer: Prefer = "first",
+        invalid: Invalid = "mark",
     ) -> Iterator[IkResult]:
         """Inverse kinematics of a stream of chunks, for more targets than memory holds.
 
@@ -536,7 +550,7 @@ class InverseKinematics:
         ----------
         chunks : iterable of array_like, each of shape (..., 4, 4) or (..., 3)
             Targets as for `ik`; some tens of thousands in a chunk keep all cores busy.
-        task, solver, seed, tool, threads, scene, clear, prefer : optional
+        task, solver, seed, tool, threads, scene, clear, prefer, invalid : optional
             As for `ik`, the same for all chunks.
         position_tolerance, orientation_tolerance, tolerance_frame : optional
             As for `ik`, the same for all chunks.
@@ -574,6 +588,7 @@ class InverseKinematics:
                 scene=handle,
                 clear=clear,
                 prefer=prefer,
+                invalid=invalid,
             )
 
         return solve_ahead(chunks, solve, first_index)

@@ -66,7 +66,8 @@ fn come_back(chain: &Chain, from: &mut Sequence, ask: &Ask<'_>) {
             }
             let one = &found.q[b * dof..(b + 1) * dof];
             there |= apart(one, q) < 1e-5;
-            let off = pose(chain, one).iter().zip(wanted).map(|(x, y)| (x - y).abs());
+            let there_now = pose(chain, one);
+            let off = there_now.iter().zip(wanted).map(|(x, y)| (x - y).abs());
             assert!(off.fold(0.0, f64::max) < 1e-9);
         }
         assert!(there, "{q:?}");
@@ -128,7 +129,8 @@ fn sweeps_label_their_branches() {
     for b in (0..found.branches).filter(|b| found.reached[*b]) {
         let one = &found.q[7 * b..7 * b + 7];
         assert_eq!(one[6], found.values[b]);
-        let off = pose(&chain, one).iter().zip(&poses[0]).map(|(x, y)| (x - y).abs());
+        let reached = pose(&chain, one);
+        let off = reached.iter().zip(&poses[0]).map(|(x, y)| (x - y).abs());
         assert!(off.fold(0.0, f64::max) < 1e-9);
     }
 }

@@ -5,7 +5,7 @@ a Nuclear Decommissioning Robot". Every number is computed when `reproduce` is c
 what the paper prints stands beside it.
 """
 
-from ._edge import Edge, Lost, edge_solvers, lost_goals
+from ._edge import Lost, edge_solvers, lost_goals
 from ._pose import LENGTHS_M, POSE_TOLERANCE, PoseRow, pose_solvers, success_by_weight
 from ._printed import Reading, Run, algorithm1, printed_fk
 from ._published import PLANAR_DEG, SUCCESS, TABLE_2_MS
@@ -32,6 +32,7 @@ from ._tables import (
     success_counts,
     units,
 )
+from ._workspace import Edge
 
 __all__ = [
     "DISTANCES",

@@ -63,7 +63,7 @@ def reproduce(directory: Path, report: Callable[[str], None] | None = None) -> l
         files.append(write_csv(directory / f"table2_{start}.csv", header, rows))
     say("success counts")
     rows = success_counts(robot)
-    head = ["method", "start", "published", "J1", "J11", "J12", "V"]
+    head = ["method", "start", "published", "J1", "J11", "J12", "V", "J1_lost_at_edge"]
     files.append(write_csv(directory / "success.csv", head, rows))
     rows = units(robot)
     head = ["units", "start", "kp_0.0847", "kp_0.02", "tuned"]

@@ -30,6 +30,7 @@ from ...solvers import (
 from ...tuning.goals import joint_uniform, volume_uniform
 from .._output import seconds_in_turns
 from ._published import DISPLACEMENT_M, PLANAR_DEG, SUCCESS, TABLE_2_MS, TOLERANCES_M
+from ._workspace import Edge
 
 CAP = 1000
 GOALS = 1000
@@ -181,7 +182,10 @@ def _evaluations(solver: Solver, dof: int, steps: float) -> tuple[float, float]:
 
 
 def success_counts(robot: Robot) -> list[list[object]]:
-    """Return goals reached of 1,000 at 1 mm: published, on sets J (three seeds) and V."""
+    """Return goals reached of 1,000 at 1 mm: published, on sets J (three seeds) and V.
+
+    The last column: how many of those lost of the first set J are at the workspace's edge.
+    """
     solvers: Mapping[str, JacobianSolver | Feedback] = {
         "IK-PID, Kp 0.02": IkPid.load("hydrolek_pid_published_kp", as_tuned=True),
         "IK-PID, tuned": IkPid.load("hydrolek_pid_published_tuned", as_tuned=True),
@@ -193,18 +197,16 @@ def success_counts(robot: Robot) -> list[list[object]]:
     }
     sets = {f"J{seed}": joint_uniform(robot, GOALS, seed) for seed in (1, 11, 12)}
     sets["V"] = volume_uniform(robot, GOALS, 2)
+    at_edge = Edge(robot).holds(sets["J1"])
     rows: list[list[object]] = []
     for name, solver in solvers.items():
         for start in SIDES:
-            counts = [
-                int(
-                    robot.ik(
-                        goals, solver=plain(solver, start), position_tolerance=1e-3
-                    ).success.sum()
-                )
+            reached = [
+                robot.ik(goals, solver=plain(solver, start), position_tolerance=1e-3).success
                 for goals in sets.values()
             ]
-            rows.append([name, start, SUCCESS[name], *counts])
+            counts = [int(each.sum()) for each in reached]
+            rows.append([name, start, SUCCESS[name], *counts, int((~reached[0] & at_edge).sum())])
     return rows
 
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use agrik::chain::{Chain, JointKind};
 use agrik::kinematics::{FRAME, moving_frames};
-use agrik_solids::{Core, Pose, Solid};
+use agrik_solids::{Core, Point, Pose, Solid};
 use nalgebra::{IsometryMatrix3, Matrix4, Rotation3, Translation3};
 
 use super::placed::Placed;
@@ -99,6 +99,19 @@ impl Bodies {
         Ok(made)
     }
 
+    /// The same arm with its bodies, its base moved by so much, m; pairs stay as they are.
+    ///
+    /// # Errors
+    ///
+    /// A number is not finite, or too large.
+    pub fn moved(&self, by: Point) -> Result<Self> {
+        let base = Translation3::from(by) * self.chain.base();
+        let mut made =
+            Self::new(Arc::new(self.chain.with_base(base)?), self.bodies.clone(), Some(&[]))?;
+        made.pairs = self.pairs.clone();
+        Ok(made)
+    }
+
     /// The arm.
     pub fn chain(&self) -> &Arc<Chain> {
         &self.chain
@@ -175,7 +188,7 @@ impl Bodies {
 }
 
 /// Refuses rows of joint values that no arm can have.
-pub(super) fn check_postures(chain: &Chain, q: &[f64]) -> Result<()> {
+pub(crate) fn check_postures(chain: &Chain, q: &[f64]) -> Result<()> {
     let dof = chain.dof();
     if !q.len().is_multiple_of(dof) {
         let expected = format!("rows of {dof} joint values");

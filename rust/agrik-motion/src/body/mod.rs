@@ -18,6 +18,7 @@ mod shape;
 pub use accept::Free;
 pub use batch::{BodyDistance, Distances, OwnDistance};
 pub use bodies::Bodies;
+pub(crate) use bodies::check_postures;
 pub use collider::{Collider, Contact, Other, Touch};
 pub use placed::Placed;
 pub use self_pairs::{Excluded, Reason};

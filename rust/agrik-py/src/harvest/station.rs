@@ -1,5 +1,7 @@
 //! The class `HarvestStation`: decisions as columns of numbers.
 
+use std::sync::Arc;
+
 use agrik_motion::harvest::{
     self, DOF, Decision, Mode, Roles, Row, Settings, Stage, Status, Target, plan, plan_blockers,
 };
@@ -80,7 +82,11 @@ impl HarvestStation {
         let mode = mode(py, level, split)?;
         let roles =
             Roles { moved: moved.unwrap_or_default(), ..roles(statics, static_skip, touching) };
-        let (bodies, scene) = (bodies.get().core(), scene.get().core());
+        let (mut bodies, scene) = (bodies.get().core(), scene.get().core());
+        if roles.moved != [0.0; 3] {
+            let moved = bodies.moved(roles.moved).map_err(|error| errors::from_core(py, error))?;
+            bodies = Arc::new(moved);
+        }
         harvest::Station::new(bodies, scene, &roles, mode)
             .map(Self)
             .map_err(|error| errors::from_core(py, error))

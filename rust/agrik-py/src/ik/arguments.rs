@@ -14,6 +14,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyFloat, PyString};
 
+use super::straighten::{Invalid, Mended};
 use super::targets::{Targets, first_not_rigid, goals, not_rigid_error};
 use super::task;
 use crate::convert::{self, Floats, numbers, shape_text, transform};
@@ -32,6 +33,8 @@ pub struct Arguments<'a, 'py> {
     pub orientation_tolerance: Option<&'a Bound<'py, PyAny>>,
     pub tolerance_frame: Option<&'a Bound<'py, PyAny>>,
     pub first_index: Option<&'a Bound<'py, PyAny>>,
+    /// What becomes of poses that are no rigid transforms.
+    pub invalid: Option<&'a str>,
 }
 
 /// What the targets of a call share.
@@ -137,6 +140,8 @@ pub struct Call<'py> {
     pub targets: Targets<'py>,
     pub options: Options,
     q0: Given<'py>,
+    /// The poses in place of those that came, where some are no rigid transforms.
+    mended: Option<Box<Mended>>,
 }
 
 impl<'py> Call<'py> {
@@ -158,10 +163,23 @@ impl<'py> Call<'py> {
                 first_not_rigid(poses, 1)
             };
             if let Some(row) = found {
-                return Err(not_rigid_error(py, leading, row, &poses[row]));
+                let invalid = Invalid::new(py, given.invalid)?;
+                if invalid == Invalid::Raise {
+                    return Err(not_rigid_error(py, leading, row, &poses[row]));
+                }
+                let mended = py.detach(|| Box::new(Mended::new(poses, invalid)));
+                return Ok(Self { targets, options, q0, mended: Some(mended) });
             }
         }
-        Ok(Self { targets, options, q0 })
+        if given.invalid.is_some() {
+            Invalid::new(py, given.invalid)?;
+        }
+        Ok(Self { targets, options, q0, mended: None })
+    }
+
+    /// A code a row of what is to be said of targets; empty where there is nothing.
+    pub fn warnings(&self) -> Vec<u8> {
+        self.mended.as_ref().map_or_else(Vec::new, |mended| mended.warnings.clone())
     }
 
     /// The request; `points` holds what it needs besides the arguments.
@@ -173,7 +191,11 @@ impl<'py> Call<'py> {
     ) -> PyResult<Request<'a>> {
         let Options { direction, aim, seed, first_index, .. } = &self.options;
         let are_poses = self.targets.are_poses();
-        let goals = goals(self.targets.values()?, are_poses, *direction, points);
+        let values = match &self.mended {
+            Some(mended) => &mended.poses[..],
+            None => self.targets.values()?,
+        };
+        let goals = goals(values, are_poses, *direction, points);
         Request::new(chain, *aim, goals, self.q0.starts()?)
             .map(|request| request.with_seed(*seed, *first_index))
             .map_err(|error| errors::from_core(py, error))

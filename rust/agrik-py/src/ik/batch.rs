@@ -53,7 +53,8 @@ pub fn solve(
     };
     match answers {
         Ok(answers) => {
-            let made = IkResult::new(call.targets.leading_shape().to_vec(), chain.dof(), answers);
+            let shape = call.targets.leading_shape().to_vec();
+            let made = IkResult::new(shape, chain.dof(), answers).with_warnings(call.warnings());
             Ok(made.in_scene(scene.as_ref().map(|scene| Arc::clone(&scene.collider))))
         }
         Err(error) => Err(signals.exception(py, error)),
@@ -76,12 +77,22 @@ pub fn solve_all<'py>(
     wishes: &Wishes<'_, 'py>,
 ) -> PyResult<Branches> {
     let call = Call::new(py, chain, given)?;
+    Ok(branches_of(py, chain, &call, wishes)?.with_warnings(call.warnings()))
+}
+
+fn branches_of<'py>(
+    py: Python<'py>,
+    chain: &Chain,
+    call: &Call<'py>,
+    wishes: &Wishes<'_, 'py>,
+) -> PyResult<Branches> {
     let leading = call.targets.leading_shape();
     let angles = ArmAngles::new(wishes.arm_angle, leading)?;
     let mut points = Vec::new();
     let request = call.request(py, chain, &mut points)?;
-    let family = ClosedForm::of(chain).is_ok() && request.task().fixes_pose();
-    if family && !call.targets.are_poses() {
+    let form = ClosedForm::of(chain).ok().filter(|form| !form.is_rough());
+    let family = form.is_some() && request.task().fixes_pose();
+    if form.is_some() && !call.targets.are_poses() {
         let expected = "shape (..., 4, 4): closed forms take poses";
         let received = format!("shape {}", shape_text(&[leading, &[3]].concat()));
         return Err(errors::argument(py, "targets", &received, expected));

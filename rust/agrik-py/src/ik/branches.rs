@@ -2,11 +2,11 @@
 
 use agrik::call::Status;
 use agrik::closed_form::{self, Alone};
-use numpy::PyArrayDyn;
+use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use smallvec::SmallVec;
 
-use crate::convert::{copied, shape_text};
+use crate::convert::{array, copied, internal, shape_text};
 use crate::errors;
 use crate::records::hand_on;
 use crate::result::{Column, column};
@@ -27,6 +27,8 @@ pub struct Branches {
     singular: Column<u8>,
     status: Column<u8>,
     warnings: Column<u8>,
+    /// Codes to be added to them, one a target or none at all.
+    more: Vec<u8>,
     free: Column<i8>,
     values: Column<f64>,
     numbers: Column<u32>,
@@ -57,6 +59,7 @@ impl Branches {
             singular: Column::new(all.singular),
             status: Column::new(all.status),
             warnings: Column::new(filled(all.warnings, targets, 0)),
+            more: Vec::new(),
             free: Column::new(filled(all.free, targets, -1)),
             values: Column::new(filled(all.values, targets * all.branches, f64::NAN)),
             numbers: Column::new(if all.numbers.is_empty() {
@@ -84,11 +87,17 @@ impl Branches {
             singular: Column::new(Vec::new()),
             status: Column::new(Vec::new()),
             warnings: Column::new(vec![0]),
+            more: Vec::new(),
             free: Column::new(vec![-1]),
             values: Column::new(vec![f64::NAN; branches]),
             numbers: Column::new((0..branches as u32).collect()),
             left: Column::new(vec![0.0]),
         }
+    }
+
+    /// The same record with more warnings, one a target or none at all.
+    pub fn with_warnings(self, more: Vec<u8>) -> Self {
+        Self { more, ..self }
     }
 
     fn with(&self, last: &[usize]) -> Vec<usize> {
@@ -161,7 +170,13 @@ impl Branches {
     /// Sums of codes of `agrik_fast.Warnings`.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
-        self.warnings.get(py, &self.shape)
+        let own = self.warnings.get(py, &self.shape)?;
+        if self.more.is_empty() {
+            return Ok(own);
+        }
+        let codes = own.try_readonly().map_err(internal)?;
+        let all = codes.as_array().iter().zip(&self.more).map(|(a, b)| a | b).collect();
+        array(py, &self.shape, all)
     }
 
     /// Entry of `q` that a singularity leaves free, -1 for none.

@@ -18,7 +18,8 @@ use smallvec::{SmallVec, smallvec};
 
 use super::arguments::{Options, read_doubles};
 use super::signals::Signals;
-use super::targets::{Targets, first_not_rigid, not_rigid_error};
+use super::straighten::{Invalid, Mended};
+use super::targets::{Targets, first_not_rigid};
 use crate::convert::{Floats, numbers, wrong_shape};
 use crate::errors;
 use crate::single_use::take_turn;
@@ -142,11 +143,13 @@ impl TargetSolver {
         // Arguments first: to read them may run code of the caller, which may come back here.
         let start = q0.map(|q0| self.start(q0)).transpose()?;
         let starts = start.as_ref().map_or(Starts::Free, |start| Starts::One(start));
-        let point;
+        let (point, mended);
         let goals = if target.are_poses() {
             let poses: &[[f64; 16]] = values.as_chunks().0;
-            if let Some(row) = first_not_rigid(poses, 1) {
-                return Err(not_rigid_error(py, &[], row, &poses[row]));
+            let mut poses = poses;
+            if first_not_rigid(poses, 1).is_some() {
+                mended = Mended::new(poses, Invalid::Mark);
+                poses = mended.poses.as_chunks().0;
             }
             match direction {
                 None => Goals::Poses(poses),

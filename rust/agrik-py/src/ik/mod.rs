@@ -7,5 +7,6 @@ pub mod control;
 pub mod follow;
 mod locked;
 pub mod signals;
+pub mod straighten;
 mod targets;
 mod task;

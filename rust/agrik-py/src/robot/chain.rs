@@ -222,7 +222,7 @@ impl Chain {
     #[pyo3(signature = (
         targets, task=None, solver=None, q0=None, seed=None, tool=None, threads=None,
         position_tolerance=None, orientation_tolerance=None, first_index=None,
-        tolerance_frame=None, collider=None, clear=None, prefer=None
+        tolerance_frame=None, collider=None, clear=None, prefer=None, invalid=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn ik(
@@ -242,6 +242,7 @@ impl Chain {
         collider: Option<&Bound<'_, PyAny>>,
         clear: Option<&Bound<'_, PyAny>>,
         prefer: Option<&str>,
+        invalid: Option<&str>,
     ) -> PyResult<IkResult> {
         let given = Arguments {
             targets,
@@ -255,6 +256,7 @@ impl Chain {
             orientation_tolerance,
             tolerance_frame,
             first_index,
+            invalid,
         };
         batch::solve(py, &self.0, &given, &guard::Given { collider, clear, prefer })
     }
@@ -290,6 +292,7 @@ impl Chain {
             orientation_tolerance,
             tolerance_frame,
             first_index: None,
+            invalid: None,
         };
         let options = Options::new(&self.0, &given, true)?;
         TargetSolver::new(py, Arc::clone(&self.0), solver, options, recipe)
@@ -327,6 +330,7 @@ impl Chain {
             orientation_tolerance,
             tolerance_frame,
             first_index: None,
+            invalid: None,
         };
         let usual = PyFloat::new(py, 0.5).into_any();
         let along = Along { q0, max_joint_step, pull: pull.unwrap_or(&usual) };
@@ -358,6 +362,7 @@ impl Chain {
             orientation_tolerance: None,
             tolerance_frame: None,
             first_index: None,
+            invalid: None,
         };
         let costs = batch::cost_history(py, &self.0, &given)?;
         array(py, &[costs.len()], costs)
@@ -367,7 +372,7 @@ impl Chain {
     #[pyo3(signature = (
         targets, q0=None, tool=None, threads=None, arm_angle=None, position_tolerance=None,
         orientation_tolerance=None, tolerance_frame=None, locked=None, sweep=None, wrap=false,
-        task=None
+        task=None, invalid=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn ik_all(
@@ -385,6 +390,7 @@ impl Chain {
         sweep: Option<&Bound<'_, PyAny>>,
         wrap: bool,
         task: Option<&Bound<'_, PyAny>>,
+        invalid: Option<&str>,
     ) -> PyResult<Branches> {
         let given = Arguments {
             targets,
@@ -398,6 +404,7 @@ impl Chain {
             orientation_tolerance,
             tolerance_frame,
             first_index: None,
+            invalid,
         };
         batch::solve_all(py, &self.0, &given, &Wishes { arm_angle, locked, sweep, wrap })
     }

@@ -128,7 +128,7 @@ fn poses_are_charged_for_their_orientation_too() {
             goals: Goals::Poses(poses),
             start: StartRule::Zero,
             max_iterations: 50,
-            tolerance: Tolerance { position: 10.0, orientation },
+            tolerance: Tolerance { position: 10.0, orientation, axes: None },
             cost: Cost { per_radian, ..Cost::default() },
         };
         problem.score(&family.start(), 1, &mut || true).expect("a score")

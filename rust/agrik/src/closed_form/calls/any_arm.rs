@@ -5,7 +5,7 @@ use super::locked::Values;
 use super::warning;
 use crate::call::{AnswersMut, Outcome, Request, Starts, Status};
 use crate::closed_form::families::every::Every;
-use crate::closed_form::families::postures::Set;
+use crate::closed_form::families::postures::{Set, whole};
 use crate::closed_form::families::ring::Work;
 use crate::closed_form::families::six::Six;
 use crate::closed_form::geometry::limit::{Limit, SLACK};
@@ -23,7 +23,9 @@ const RUN: usize = 32;
 
 /// A call: the arm, and which joint is locked where.
 pub struct AnyArm<'a> {
+    /// Targets, tool, start values, tolerances.
     pub request: Request<'a>,
+    /// The arm's axes.
     pub every: &'a Every,
     /// Joint along the chain and its values.
     pub lock: Option<(usize, Values<'a>)>,
@@ -375,8 +377,9 @@ impl<'a> AnyArm<'a> {
 
 /// A joint value less whole turns: within the limits if any is, and then the nearest to a centre
 /// (else the one that is outside by the least); whether it is within them.
+#[inline]
 pub fn representative(limit: &Limit, x: f64, centre: f64) -> (f64, bool) {
-    let mut y = x + TAU * ((centre - x) / TAU).round();
+    let mut y = x + TAU * whole((centre - x) * (1.0 / TAU));
     if y > limit.upper + SLACK {
         y -= TAU * ((y - limit.upper - SLACK) / TAU).ceil();
     }

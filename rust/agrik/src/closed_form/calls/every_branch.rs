@@ -66,7 +66,7 @@ fn at_values(
     }
     let every = Every::of(chain);
     match locks {
-        [] if ClosedForm::of(chain).is_ok() => {
+        [] if ClosedForm::of(chain).is_ok_and(|form| !form.is_rough()) => {
             all(&Query::new(*request, angle, Choice::default())?, threads, poll)
         }
         [one] if free == 6 && ClosedForm::of(chain).is_err() && every.is_ok() => {

@@ -26,7 +26,9 @@ const RING: &str = "ring-cut resultant";
 impl Family {
     /// The family of a chain.
     pub fn of(chain: &Chain) -> Self {
-        if let Ok(form) = ClosedForm::of(chain) {
+        if let Ok(form) = ClosedForm::of(chain)
+            && !form.is_rough()
+        {
             let (method, reason) = match form {
                 ClosedForm::Srs(_) => (
                     "closed form at each arm angle",

@@ -6,12 +6,8 @@ use super::six::Six;
 use crate::chain::Chain;
 use crate::closed_form::geometry::limit::Limit;
 use crate::closed_form::geometry::rigid::Rigid;
-use crate::closed_form::geometry::screws::{EXACT, Screw, Screws};
+use crate::closed_form::geometry::screws::{Screw, Screws};
 use crate::kinematics::{Workspace, forward};
-
-/// First three axes of a seven-joint arm that come nearer to meeting than this share of its
-/// length make its third joint the one to lock.
-const NEARLY: f64 = 0.05;
 
 /// A chain all of whose joints turn, each by an entry of `q` of its own.
 #[derive(Debug)]
@@ -97,12 +93,9 @@ impl Every {
         if joint == 0 || joint + 1 == self.joints() { 0.0 } else { self.limits[joint].middle }
     }
 
-    /// The joint of seven that is locked when nothing else is said: the last, unless the first
-    /// three axes nearly meet and do not.
+    /// The joint of seven that is locked when nothing else is said: the last, which moves the
+    /// target alone, so that one arm of six joints serves for all values.
     pub fn default_lock(&self) -> usize {
-        let last = self.joints() - 1;
-        let Some((_, gap)) = self.screws.meeting(0..3) else { return last };
-        let share = gap / self.screws.gathered().length();
-        if share > EXACT && share < NEARLY { 2 } else { last }
+        self.joints() - 1
     }
 }

@@ -30,6 +30,9 @@ pub trait Family {
     const BRANCHES: usize;
 }
 
+/// Misfit (m, rad) of an arm that is not just rounded.
+const ROUGH: f64 = 1e-9;
+
 /// A chain's family with its numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ClosedForm {
@@ -49,6 +52,13 @@ impl ClosedForm {
     #[inline(always)]
     pub fn loses_digits(&self) -> bool {
         matches!(self, Self::SphericalWrist(arm) if arm.kind() == Kind::General)
+    }
+
+    /// The axes are so far from what they are taken for that branches near others may not be
+    /// those of the arm as given.
+    pub fn is_rough(&self) -> bool {
+        let misfit = &self.geometry().misfit;
+        matches!(self, Self::SphericalWrist(_)) && misfit.position.max(misfit.orientation) > ROUGH
     }
 
     fn recognise(chain: &Chain) -> Result<Self, String> {

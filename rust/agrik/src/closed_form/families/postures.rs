@@ -41,6 +41,8 @@ pub struct Set {
     pub second: bool,
     /// Squared, what the nearest candidate of a closed form missed by.
     pub closest: f64,
+    /// Joints that some candidate left free, whether or not it reached the goal; a bit each.
+    pub open: u8,
     /// There is no posture, for sure.
     pub none: bool,
     /// There are more.
@@ -60,6 +62,7 @@ impl Set {
             places: 0,
             second: false,
             closest: f64::INFINITY,
+            open: 0,
             none: false,
             more: false,
         }
@@ -136,9 +139,18 @@ fn before(a: &[f64; 6], b: &[f64; 6]) -> bool {
     false
 }
 
+/// The nearest whole number, of numbers of ordinary size. The library's own function is a call
+/// where the processor is not asked for more than the oldest of its kind have.
+#[inline(always)]
+pub fn whole(x: f64) -> f64 {
+    const SHIFT: f64 = 6_755_399_441_055_744.0;
+    (x + SHIFT) - SHIFT
+}
+
 /// An angle less whole turns, in (-pi, pi].
+#[inline(always)]
 pub fn turned(x: f64) -> f64 {
-    let y = x - TAU * (x / TAU).round();
+    let y = x - TAU * whole(x * (1.0 / TAU));
     if y <= -PI { y + TAU } else { y }
 }
 
@@ -173,6 +185,9 @@ impl<R: Real> Candidates<R> {
         for lane in 0..lanes {
             let set = &mut sets[if one { 0 } else { lane }];
             set.closest = set.closest.min(missed.lane(lane));
+            for (lanes, bit) in self.open {
+                set.open |= if lanes >> lane & 1 != 0 { bit } else { 0 };
+            }
             if near >> lane & 1 == 0 {
                 continue;
             }

@@ -12,6 +12,9 @@ use crate::lanes::Level;
 /// near as they can where an equation has no solution.
 const FAR_OFF: f64 = 1e-6;
 
+/// Values of a free joint that are tried.
+const VALUES: u32 = 48;
+
 /// An arm of six joints, by what was recognised.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Way {
@@ -119,10 +122,36 @@ impl Six {
             }
         }
         let closed = !matches!(self.way, Way::Ring(_));
-        for (set, near) in sets.iter_mut().zip(near) {
+        for (i, (set, near)) in sets.iter_mut().zip(near).enumerate() {
+            if closed && set.count == 0 && set.open != 0 {
+                self.try_open(level, &goals[i], near, set);
+            }
             set.keep_nearest(self.branches(), near);
-            set.none |= closed && set.count == 0 && set.closest > FAR_OFF;
+            set.none |= closed && set.count == 0 && set.open == 0 && set.closest > FAR_OFF;
             set.sort();
+        }
+    }
+
+    /// Where a joint is free, the others may not be able to follow it to where it is wanted: other
+    /// values of it, the nearest first.
+    fn try_open(&self, level: Level, goal: &Rigid<f64>, near: &[f64; 6], set: &mut Set) {
+        for step in 1..=VALUES {
+            let side = if step % 2 == 0 { 0.5 } else { -0.5 };
+            let turn = side * f64::from(step) * (std::f64::consts::TAU / f64::from(VALUES));
+            let mut other = *near;
+            for (k, x) in other.iter_mut().enumerate() {
+                *x += if set.open >> k & 1 != 0 { turn } else { 0.0 };
+            }
+            let mut found = [Set::new()];
+            match &self.way {
+                Way::Meeting(arm) => arm.solve(level, &[*goal], &[other], &mut found),
+                Way::ThreeParallel(arm) => arm.solve(level, &[*goal], &[other], &mut found),
+                Way::Ring(_) => return,
+            }
+            if found[0].count > 0 {
+                *set = found[0];
+                return;
+            }
         }
     }
 }

@@ -37,6 +37,8 @@ const TRIALS: usize = 128;
 /// An arm of six joints that turn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ring {
+    /// The axes, in arm lengths.
+    axes: Screws,
     serial: Serial<6>,
     cuts: [Cut; 2],
     /// Metres in an arm length.
@@ -55,7 +57,7 @@ impl Ring {
         let scaled = screws.scaled(1.0 / length);
         let serial = Serial::<6>::new(&scaled)?;
         let cuts = [Cut::new(&scaled, true), Cut::new(&scaled, false)];
-        let mut ring = Self { serial, cuts, length, usual: None };
+        let mut ring = Self { axes: scaled, serial, cuts, length, usual: None };
         match like {
             Some(like) => {
                 if like.first_is_reversed() != ring.first_is_reversed() {

@@ -3,6 +3,7 @@
 use super::{NOISY, Ring, Work};
 use crate::closed_form::families::postures::{FINE, NEAR, Set};
 use crate::closed_form::geometry::rigid::{Rigid, turn_about};
+use crate::closed_form::geometry::screws::Screws;
 use crate::closed_form::geometry::serial::Posture;
 use crate::lanes::Level;
 use crate::random::Sequence;
@@ -25,13 +26,17 @@ const TWINS: [f64; 6] = [1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3];
 impl Ring {
     /// Looks for more postures of a goal in arm lengths.
     pub(super) fn rescue(&self, level: Level, goal: &Rigid<f64>, set: &mut Set, work: &mut Work) {
+        let special = !(set.noise <= NOISY);
+        if special {
+            self.elsewhere(level, goal, set, work);
+        }
         if !(set.noise <= NOISY) {
             self.beside(level, goal, set, work);
         }
         if set.count % 2 != 0 {
             self.twins(goal, set);
         }
-        if !(set.noise <= NOISY) {
+        if special {
             self.families(goal, set);
         }
     }
@@ -58,6 +63,38 @@ impl Ring {
         let least = svd.singular_values.imin();
         let share = svd.singular_values[least] / svd.singular_values.max();
         svd.v_t.map(|v| (share, std::array::from_fn(|k| v[(least, k)])))
+    }
+
+    /// A goal that makes first and last joint meet or parallel is no special one for the ring read
+    /// from another joint on: that is an arm of its own for each goal.
+    fn elsewhere(&self, level: Level, goal: &Rigid<f64>, set: &mut Set, work: &mut Work) {
+        let tool = &self.axes.tool;
+        let wanted = goal.after(&tool.inverse());
+        let back = wanted.inverse();
+        for first in 1..6 {
+            let (ahead, behind) = self.axes.joints.split_at(first);
+            let behind = behind.iter().copied();
+            let joints = behind.chain(ahead.iter().map(|one| one.moved(&back))).collect();
+            let turned = Screws { joints, tool: Rigid::identity() };
+            let Some(other) = Ring::new(&turned, Some(self)) else { continue };
+            let seen = other.scaled(&wanted);
+            for cut in 0..2 {
+                let mut found = [Set::new()];
+                other.run_cut(level, cut, (&[seen], &[]), &mut found, work);
+                if !(found[0].noise <= NOISY) {
+                    continue;
+                }
+                set.noise = found[0].noise;
+                for q in found[0].postures() {
+                    let mut here = *q;
+                    here.rotate_right(first);
+                    if let Some(q) = self.walked(&here, goal) {
+                        set.add(&q);
+                    }
+                }
+                return;
+            }
+        }
     }
 
     /// Round angles make both polynomials vanish: goals a little aside do not, and their
