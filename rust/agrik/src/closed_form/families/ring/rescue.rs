@@ -27,7 +27,7 @@ impl Ring {
     /// Looks for more postures of a goal in arm lengths.
     pub(super) fn rescue(&self, level: Level, goal: &Rigid<f64>, set: &mut Set, work: &mut Work) {
         let special = !(set.noise <= NOISY);
-        if special {
+        if special || set.count % 2 != 0 {
             self.elsewhere(level, goal, set, work);
         }
         if !(set.noise <= NOISY) {
@@ -84,7 +84,7 @@ impl Ring {
                 if !(found[0].noise <= NOISY) {
                     continue;
                 }
-                set.noise = found[0].noise;
+                set.noise = set.noise.min(found[0].noise);
                 for q in found[0].postures() {
                     let mut here = *q;
                     here.rotate_right(first);
@@ -92,7 +92,9 @@ impl Ring {
                         set.add(&q);
                     }
                 }
-                return;
+                if !other.is_doubtful(&found[0]) {
+                    return;
+                }
             }
         }
     }
