@@ -169,7 +169,7 @@ impl Ring {
                 for q in other.postures() {
                     set.add(q);
                 }
-                if !(set.noise <= NOISY) || set.count % 2 != 0 {
+                if set.noise > NOISY || !set.count.is_multiple_of(2) {
                     self.rescue(level, &scaled[*i], set, work);
                 }
             }
@@ -182,6 +182,6 @@ impl Ring {
     /// Something says that postures may be missing.
     fn is_doubtful(&self, set: &Set) -> bool {
         let expected = self.usual.unwrap_or(set.places).max(set.roots.min(set.places));
-        set.count % 2 != 0 || !(set.noise <= NOISY) || set.count < expected
+        !set.count.is_multiple_of(2) || set.noise > NOISY || set.count < expected
     }
 }
