@@ -26,7 +26,7 @@ const SWEPT: usize = 16;
 #[derive(Debug, Clone)]
 enum Form<'a> {
     /// For the best branch of each target.
-    Query(Query<'a>),
+    Query(Box<Query<'a>>),
     /// The same of an arm on a slide.
     Sweep(Box<Sweep<'a>>),
     /// An arm whose branches cost less than the step solver's answer: three parallel axes, or
@@ -51,7 +51,9 @@ impl<'a> Auto<'a> {
             Some(sweep) => Form::Sweep(Box::new(sweep)),
             None => match six(&request) {
                 Some(every) => Form::Six(every),
-                None => Form::Query(Query::new(request, ArmAngle::Free, Choice::default())?),
+                None => {
+                    Form::Query(Box::new(Query::new(request, ArmAngle::Free, Choice::default())?))
+                }
             },
         };
         Ok(Self { form, request, plan: OnceLock::new() })

@@ -362,7 +362,7 @@ impl<'a> AnyArm<'a> {
         let singular = set.singular[..set.count.min(count)].iter().any(|flags| *flags != 0);
         let mut warnings = 0;
         for (is, bit) in [
-            (set.count % 2 != 0, warning::FOLD),
+            (!set.count.is_multiple_of(2), warning::FOLD),
             (singular, warning::NEAR_SINGULAR),
             (set.second, warning::SECOND_CUT),
             (free_joint.is_some(), warning::SINGULAR_FAMILY),

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use super::six::Six;
+use super::six::{Six, Way};
 use crate::chain::Chain;
 use crate::closed_form::geometry::limit::Limit;
 use crate::closed_form::geometry::rigid::Rigid;
@@ -94,8 +94,15 @@ impl Every {
     }
 
     /// The joint of seven that is locked when nothing else is said: the last, which moves the
-    /// target alone, so that one arm of six joints serves for all values.
+    /// target alone, so that one arm of six joints serves for all values; the third where what
+    /// the last leaves is nearly spherical and slow.
     pub fn default_lock(&self) -> usize {
-        self.joints() - 1
+        let last = self.joints() - 1;
+        let slow = match self.locked(last).map(Six::way) {
+            Ok(Way::Ring(ring)) => ring.has_idle_roots(),
+            Ok(_) => false,
+            Err(_) => true,
+        };
+        if slow { 2 } else { last }
     }
 }

@@ -10,8 +10,10 @@ use super::postures::{Candidates, Set};
 use crate::closed_form::geometry::rigid::{Rigid, turned_about};
 use crate::closed_form::geometry::screws::{EXACT, Screws, norm};
 use crate::closed_form::geometry::serial::Serial;
-use crate::closed_form::geometry::turn::{Side, linear, unit_turn};
-use crate::lanes::{Kernel, Level, Real, V3, atan2_each, axpy, cross, dispatch, dot, splat3, sub};
+use crate::closed_form::geometry::turn::{Root, Side, Turn, linear, unit_turn};
+use crate::lanes::{
+    Kernel, Lanes, Level, Real, V3, atan2_each, axpy, cross, dispatch, dot, splat3, sub,
+};
 
 /// Lengths (arm lengths) below which an equation leaves its angle open.
 const OPEN: f64 = 1e-9;
@@ -92,53 +94,48 @@ impl ThreeParallel {
         dispatch(level, All { arm: self, goals, near, sets });
     }
 
-    /// One posture in each lane.
+    /// What the first joint leaves to the others, on a side.
     #[inline(always)]
-    fn posture<R: Real>(
-        &self,
-        goal: &Rigid<R>,
-        near: &[R; 6],
-        [shoulder, wrist, elbow]: [Side<R>; 3],
-    ) -> Candidates<R> {
-        let axis: [V3<R>; 6] = [
-            splat3(self.axes[0]),
-            splat3(self.axes[1]),
-            splat3(self.axes[2]),
-            splat3(self.axes[3]),
-            splat3(self.axes[4]),
-            splat3(self.axes[5]),
-        ];
-        let n = axis[1];
+    fn shoulder<R: Real>(&self, goal: &Rigid<R>, near: &[R; 6], side: Side<R>) -> Shoulder<R> {
+        let (axis, n) = (splat3::<R>(self.axes[0]), splat3::<R>(self.axes[1]));
         let all = goal.after(&Rigid::splat(&self.untool));
         let (first, meeting) = (splat3::<R>(self.first), splat3::<R>(self.meeting));
         // The meeting point across the parallel axes.
         let p = sub(all.apply(meeting), first);
-        let (nw, wp) = (dot(n, axis[0]), dot(axis[0], p));
+        let (nw, wp) = (dot(n, axis), dot(axis, p));
         let a = dot(n, p) - nw * wp;
-        let b = -dot(n, cross(axis[0], p));
+        let b = -dot(n, cross(axis, p));
         let c = dot(n, sub(meeting, first)) - nw * wp;
-        let one = linear(a, b, c, OPEN, near[0].sin_cos(), shoulder);
+        let one = linear(a, b, c, OPEN, near[0].sin_cos(), side);
         let back = (-one.turn.0, one.turn.1);
-        // What is left behind the first joint.
         let axes = [
-            turned_about(axis[0], back, all.axes[0]),
-            turned_about(axis[0], back, all.axes[1]),
-            turned_about(axis[0], back, all.axes[2]),
+            turned_about(axis, back, all.axes[0]),
+            turned_about(axis, back, all.axes[1]),
+            turned_about(axis, back, all.axes[2]),
         ];
-        let shift = turned_about(axis[0], back, sub(all.shift, first));
-        let rest =
-            Rigid { axes, shift: [shift[0] + first[0], shift[1] + first[1], shift[2] + first[2]] };
+        let shift = turned_about(axis, back, sub(all.shift, first));
+        let shift = [shift[0] + first[0], shift[1] + first[1], shift[2] + first[2]];
+        let open = R::bits(a.mul_add(a, b * b).lt(R::splat(OPEN * OPEN)));
+        Shoulder { one, rest: Rigid { axes, shift }, open }
+    }
+
+    /// What the fifth and the sixth joint leave to the planar arm, on a side.
+    #[inline(always)]
+    fn wrist<R: Real>(&self, rest: &Rigid<R>, near: &[R; 6], side: Side<R>) -> Wrist<R> {
+        let n = splat3::<R>(self.axes[1]);
+        let (axis5, axis6) = (splat3::<R>(self.axes[4]), splat3::<R>(self.axes[5]));
+        let meeting = splat3::<R>(self.meeting);
         // The direction of axis 6 along the parallel axes.
-        let (nw, ww) = (dot(n, axis[4]), dot(axis[4], axis[5]));
-        let a = dot(n, axis[5]) - nw * ww;
-        let b = dot(n, cross(axis[4], axis[5]));
-        let c = dot(n, rest.turn(axis[5])) - nw * ww;
-        let five = linear(a, b, c, OPEN, near[4].sin_cos(), wrist);
+        let (nw, ww) = (dot(n, axis5), dot(axis5, axis6));
+        let a = dot(n, axis6) - nw * ww;
+        let b = dot(n, cross(axis5, axis6));
+        let c = dot(n, rest.turn(axis6)) - nw * ww;
+        let five = linear(a, b, c, OPEN, near[4].sin_cos(), side);
         let back5 = (-five.turn.0, five.turn.1);
         // The direction of the parallel axes about axis 6.
-        let (from, to) = (rest.turn_back(n), turned_about(axis[4], back5, n));
-        let y = dot(axis[5], cross(from, to));
-        let x = dot(from, to) - dot(axis[5], from) * dot(axis[5], to);
+        let (from, to) = (rest.turn_back(n), turned_about(axis5, back5, n));
+        let y = dot(axis6, cross(from, to));
+        let x = dot(from, to) - dot(axis6, from) * dot(axis6, to);
         // Both directions are as far from the axis as the sine, so this is its square.
         let least = IN_LINE * IN_LINE;
         let open = R::bits((y * y + x * x).lt(R::splat(least * least)));
@@ -146,45 +143,72 @@ impl ThreeParallel {
         let back6 = (-six.0, six.1);
         // All three parallel joints together, and where they have to put axis 4.
         let across = splat3::<R>(self.across);
-        let v = turned_about(axis[4], back5, across);
-        let v = rest.turn(turned_about(axis[5], back6, v));
-        let (sum_y, sum_x) = (dot(n, cross(across, v)), dot(across, v));
+        let v = rest.turn(turned_about(axis6, back6, turned_about(axis5, back5, across)));
         let at = sub(splat3(self.fourth), meeting);
-        let at = turned_about(axis[5], back6, turned_about(axis[4], back5, at));
+        let at = turned_about(axis6, back6, turned_about(axis5, back5, at));
         let at = [at[0] + meeting[0], at[1] + meeting[1], at[2] + meeting[2]];
         let d = sub(rest.apply(at), splat3(self.second));
-        let d = axpy(n, -dot(n, d), d);
-        let (u, f) = (splat3::<R>(self.upper), splat3::<R>(self.fore));
+        Wrist {
+            five,
+            six,
+            sum: (dot(n, cross(across, v)), dot(across, v)),
+            way: axpy(n, -dot(n, d), d),
+            open,
+        }
+    }
+
+    /// A posture, by the planar arm's side.
+    #[inline(always)]
+    fn posture<R: Real>(
+        &self,
+        shoulder: &Shoulder<R>,
+        wrist: &Wrist<R>,
+        near: &[R; 6],
+        side: Side<R>,
+    ) -> Candidates<R> {
+        let (n, axis) = (splat3::<R>(self.axes[1]), splat3::<R>(self.axes[2]));
+        let (u, f, d) = (splat3::<R>(self.upper), splat3::<R>(self.fore), wrist.way);
         let a = dot(u, f);
-        let b = dot(u, cross(axis[2], f));
+        let b = dot(u, cross(axis, f));
         let half = R::splat(0.5);
         let c = half * (dot(d, d) - dot(u, u) - dot(f, f));
-        let three = linear(a, b, c, OPEN, near[2].sin_cos(), elbow);
-        let reach = turned_about(axis[2], three.turn, f);
+        let three = linear(a, b, c, OPEN, near[2].sin_cos(), side);
+        let reach = turned_about(axis, three.turn, f);
         let reach = [reach[0] + u[0], reach[1] + u[1], reach[2] + u[2]];
         let (y, x) = (dot(n, cross(reach, d)), dot(reach, d));
         let two = unit_turn(y, x, OPEN * OPEN, near[1].sin_cos());
+        let (one, five) = (&shoulder.one, &wrist.five);
         let [q1, q2, q3, sum, q5, q6] = atan2_each(
-            [one.turn.0, two.0, three.turn.0, sum_y, five.turn.0, six.0],
-            [one.turn.1, two.1, three.turn.1, sum_x, five.turn.1, six.1],
+            [one.turn.0, two.0, three.turn.0, wrist.sum.0, five.turn.0, wrist.six.0],
+            [one.turn.1, two.1, three.turn.1, wrist.sum.1, five.turn.1, wrist.six.1],
         );
         let (s3, s4) = (R::splat(self.signs[0]), R::splat(self.signs[1]));
         let q4 = s4 * (sum - q2 - s3 * q3);
         Candidates {
             q: [q1, q2, q3, q4, q5, q6],
             merged: one.merged | five.merged | three.merged,
-            singular: [one.singular, three.singular, five.singular | open],
-            open: [(R::bits(a_of(p, axis[0], n).lt(R::splat(OPEN * OPEN))), 1), (open, 1 << 5)],
+            singular: [one.singular, three.singular, five.singular | wrist.open],
+            open: [(shoulder.open, 1), (wrist.open, 1 << 5)],
         }
     }
 }
 
-/// How much the first joint moves the meeting point across the parallel axes, squared.
-#[inline(always)]
-fn a_of<R: Real>(p: V3<R>, w: V3<R>, n: V3<R>) -> R {
-    let a = dot(n, p) - dot(n, w) * dot(w, p);
-    let b = dot(n, cross(w, p));
-    a.mul_add(a, b * b)
+/// The first joint, and the goal as the others see it.
+struct Shoulder<R> {
+    one: Root<R>,
+    rest: Rigid<R>,
+    /// Lanes in which the joint is free.
+    open: Lanes,
+}
+
+/// The last two joints, and what is left to the planar arm: a turn, and a way to axis 4.
+struct Wrist<R> {
+    five: Root<R>,
+    six: Turn<R>,
+    sum: (R, R),
+    way: V3<R>,
+    /// Lanes in which joint 6 is free.
+    open: Lanes,
 }
 
 struct All<'a> {
@@ -218,29 +242,29 @@ impl Kernel for All<'_> {
                     about[k].set_lane(lane, near[row][k]);
                 }
             }
-            let step = if alone { R::WIDTH.min(8) } else { 1 };
-            let mut way = 0;
-            while way < 8 {
-                let sides = if alone {
-                    [Side::by_bit(way, 2), Side::by_bit(way, 1), Side::by_bit(way, 0)]
-                } else {
-                    [fixed(way, 2), fixed(way, 1), fixed(way, 0)]
-                };
-                let found = arm.posture(&goal, &about, sides);
-                if alone {
-                    found.settle(&arm.serial, &goal, step, &mut sets[first..=first]);
-                } else {
-                    found.settle(&arm.serial, &goal, count, &mut sets[first..first + count]);
+            let own = &mut sets[first..first + count];
+            if alone {
+                let mut way = 0;
+                while way < 8 {
+                    let shoulder = arm.shoulder(&goal, &about, Side::by_bit(way, 2));
+                    let wrist = arm.wrist(&shoulder.rest, &about, Side::by_bit(way, 1));
+                    let found = arm.posture(&shoulder, &wrist, &about, Side::by_bit(way, 0));
+                    found.settle(&arm.serial, &goal, R::WIDTH.min(8), own);
+                    way += R::WIDTH;
                 }
-                way += step;
+            } else {
+                for side in Side::both() {
+                    let shoulder = arm.shoulder(&goal, &about, side);
+                    for side in Side::both() {
+                        let wrist = arm.wrist(&shoulder.rest, &about, side);
+                        for side in Side::both() {
+                            let found = arm.posture(&shoulder, &wrist, &about, side);
+                            found.settle(&arm.serial, &goal, count, own);
+                        }
+                    }
+                }
             }
             first += count;
         }
     }
-}
-
-/// One side in all lanes, by a bit.
-#[inline(always)]
-fn fixed<R: Real>(way: usize, bit: usize) -> Side<R> {
-    if way >> bit & 1 == 0 { Side::first() } else { Side::second() }
 }

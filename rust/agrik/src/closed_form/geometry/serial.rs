@@ -135,7 +135,7 @@ impl Serial<6> {
         }
         let factor = R::splat(LONGEST) / longest.max(R::splat(LONGEST));
         for x in &mut change {
-            *x = *x * factor;
+            *x *= factor;
         }
         change
     }
@@ -199,7 +199,7 @@ fn solve<R: Real>(mut columns: [[R; 6]; 6], mut right: [R; 6]) -> [R; 6] {
             for i in k..6 {
                 along = normal[i].mul_add(columns[j][i], along);
             }
-            along = along * weight;
+            along *= weight;
             for i in k..6 {
                 columns[j][i] = normal[i].neg_mul_add(along, columns[j][i]);
             }
@@ -208,7 +208,7 @@ fn solve<R: Real>(mut columns: [[R; 6]; 6], mut right: [R; 6]) -> [R; 6] {
         for i in k..6 {
             along = normal[i].mul_add(right[i], along);
         }
-        along = along * weight;
+        along *= weight;
         for i in k..6 {
             right[i] = normal[i].neg_mul_add(along, right[i]);
         }

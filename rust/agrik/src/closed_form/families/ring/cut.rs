@@ -176,7 +176,7 @@ impl Cut {
             }
             // The constant times (1 + x^2)(1 + y^2).
             for term in [0, 2, 6, 8] {
-                out[row][term] = out[row][term] - offset;
+                out[row][term] -= offset;
             }
         }
     }
@@ -305,7 +305,7 @@ pub fn reflect<R: Real, const N: usize>(
     for i in from..N {
         along = normal[i].mul_add(column[i], along);
     }
-    along = along * *weight;
+    along *= *weight;
     for i in from..N {
         column[i] = normal[i].neg_mul_add(along, column[i]);
     }
@@ -359,8 +359,8 @@ fn complex_reflect<R: Real>(
     (re, im) = (re * *weight, im * *weight);
     for i in from..4 {
         let (a, b) = normal[i];
-        column[i].0 = column[i].0 - (a * re - b * im);
-        column[i].1 = column[i].1 - (a * im + b * re);
+        column[i].0 -= a * re - b * im;
+        column[i].1 -= a * im + b * re;
     }
 }
 
@@ -385,7 +385,7 @@ fn orthonormal<R: Real>(rows: &mut [[R; TERMS]; ROWS]) {
         }
         let inverse = R::splat(1.0) / square.max(R::splat(f64::MIN_POSITIVE)).sqrt();
         for x in row.iter_mut() {
-            *x = *x * inverse;
+            *x *= inverse;
         }
     }
 }

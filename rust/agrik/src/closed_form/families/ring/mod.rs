@@ -46,6 +46,8 @@ pub struct Ring {
     /// Of an arm with roots that belong to no posture (nearly spherical wrists have them at
     /// most poses): how many postures a pose usually has. Fewer are looked into.
     usual: Option<usize>,
+    /// Roots without a posture are common.
+    idle: bool,
 }
 
 impl Ring {
@@ -57,7 +59,7 @@ impl Ring {
         let scaled = screws.scaled(1.0 / length);
         let serial = Serial::<6>::new(&scaled)?;
         let cuts = [Cut::new(&scaled, true), Cut::new(&scaled, false)];
-        let mut ring = Self { axes: scaled, serial, cuts, length, usual: None };
+        let mut ring = Self { axes: scaled, serial, cuts, length, usual: None, idle: false };
         match like {
             Some(like) => {
                 if like.first_is_reversed() != ring.first_is_reversed() {
@@ -78,6 +80,11 @@ impl Ring {
     /// The cut that is asked first reads the arm from its tool.
     pub fn first_is_reversed(&self) -> bool {
         self.cuts[0].reversed
+    }
+
+    /// Roots that belong to no posture are common; they cost as much as others.
+    pub fn has_idle_roots(&self) -> bool {
+        self.idle
     }
 
     /// The arm in arm lengths.
@@ -115,6 +122,7 @@ impl Ring {
         let spare = sets.iter().filter(|set| set.count < set.places).count();
         let times = |count: usize| sets.iter().filter(|set| set.count == count).count();
         let usual = (0..=MOST).max_by_key(|count| times(*count));
+        self.idle = 5 * spare > sets.len();
         if 2 * spare > sets.len() {
             self.usual = usual.filter(|count| 4 * times(*count) > 3 * sets.len());
         }
@@ -161,7 +169,7 @@ impl Ring {
                 for q in other.postures() {
                     set.add(q);
                 }
-                if !(set.noise <= NOISY) || set.count % 2 != 0 {
+                if set.noise > NOISY || !set.count.is_multiple_of(2) {
                     self.rescue(level, &scaled[*i], set, work);
                 }
             }
@@ -174,6 +182,6 @@ impl Ring {
     /// Something says that postures may be missing.
     fn is_doubtful(&self, set: &Set) -> bool {
         let expected = self.usual.unwrap_or(set.places).max(set.roots.min(set.places));
-        set.count % 2 != 0 || !(set.noise <= NOISY) || set.count < expected
+        !set.count.is_multiple_of(2) || set.noise > NOISY || set.count < expected
     }
 }

@@ -39,9 +39,8 @@ impl<R: Real> Factors<R> {
             first[k] = v;
         }
         for (j, column) in above.iter().enumerate() {
-            for i in 0..3.min(j + 1) {
-                triangle[j][i] = column[i];
-            }
+            let count = 3.min(j + 1);
+            triangle[j][..count].copy_from_slice(&column[..count]);
         }
         let mut rest = [[R::zero(); REST]; REST];
         for j in 0..REST {
@@ -187,13 +186,13 @@ fn normalise<R: Real>(v: &mut Products<R>) -> R {
     let inverse = R::splat(1.0) / largest;
     let mut square = R::zero();
     for x in v.iter_mut() {
-        *x = *x * inverse;
+        *x *= inverse;
         square = x.mul_add(*x, square);
     }
     let size = square.sqrt();
     let inverse = R::splat(1.0) / size;
     for x in v.iter_mut() {
-        *x = *x * inverse;
+        *x *= inverse;
     }
     size * largest
 }

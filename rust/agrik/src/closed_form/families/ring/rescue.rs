@@ -26,14 +26,14 @@ const TWINS: [f64; 6] = [1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3];
 impl Ring {
     /// Looks for more postures of a goal in arm lengths.
     pub(super) fn rescue(&self, level: Level, goal: &Rigid<f64>, set: &mut Set, work: &mut Work) {
-        let special = !(set.noise <= NOISY);
-        if special {
+        let special = set.noise > NOISY;
+        if special || !set.count.is_multiple_of(2) {
             self.elsewhere(level, goal, set, work);
         }
-        if !(set.noise <= NOISY) {
+        if set.noise > NOISY {
             self.beside(level, goal, set, work);
         }
-        if set.count % 2 != 0 {
+        if !set.count.is_multiple_of(2) {
             self.twins(goal, set);
         }
         if special {
@@ -81,10 +81,10 @@ impl Ring {
             for cut in 0..2 {
                 let mut found = [Set::new()];
                 other.run_cut(level, cut, (&[seen], &[]), &mut found, work);
-                if !(found[0].noise <= NOISY) {
+                if found[0].noise > NOISY {
                     continue;
                 }
-                set.noise = found[0].noise;
+                set.noise = set.noise.min(found[0].noise);
                 for q in found[0].postures() {
                     let mut here = *q;
                     here.rotate_right(first);
@@ -92,7 +92,9 @@ impl Ring {
                         set.add(&q);
                     }
                 }
-                return;
+                if !other.is_doubtful(&found[0]) {
+                    return;
+                }
             }
         }
     }

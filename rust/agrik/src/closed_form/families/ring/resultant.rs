@@ -48,7 +48,7 @@ fn reduce<R: Real>(columns: &mut [[R; ROWS]; 9]) -> R {
     for k in 0..3 {
         let (head, rest) = columns.split_at_mut(k + 1);
         let v = mirror(&mut head[k], k);
-        product = product * head[k][k];
+        product *= head[k][k];
         for column in rest {
             reflect(&v, column, k);
         }
@@ -68,15 +68,13 @@ pub fn sample<R: Real>(equations: &Equations<R>, at: (R, R)) -> R {
     let mut product = reduce(&mut above) * reduce(&mut below);
     let mut left = [[R::zero(); ROWS]; ROWS];
     for (j, column) in left.iter_mut().enumerate() {
-        for i in 0..3 {
-            column[i] = above[3 + j][3 + i];
-            column[3 + i] = below[3 + j][3 + i];
-        }
+        column[..3].copy_from_slice(&above[3 + j][3..]);
+        column[3..].copy_from_slice(&below[3 + j][3..]);
     }
     for k in 0..ROWS - 1 {
         let (head, rest) = left.split_at_mut(k + 1);
         let v = mirror(&mut head[k], k);
-        product = product * head[k][k];
+        product *= head[k][k];
         for column in rest {
             reflect(&v, column, k);
         }
