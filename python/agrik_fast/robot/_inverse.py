@@ -372,7 +372,7 @@ class InverseKinematics:
         >>> pose = arm.fk([0.5, 0.1, -0.9, 0.3, 0.2, 0.4, 3.0])
         >>> branches = arm.ik_all(pose, locked={"d1": 0.5})
         >>> branches.q.shape, int(branches.reached.sum())
-        ((8, 7), 8)
+        ((8, 7), 4)
         """
         return self._chain.ik_all(
             targets,
