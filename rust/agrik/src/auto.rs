@@ -24,11 +24,12 @@ const SWEPT: usize = 16;
 
 /// How the closed form is asked.
 #[derive(Debug, Clone)]
+#[allow(clippy::large_enum_variant, reason = "there is one of them a call")]
 enum Form<'a> {
     /// For the best branch of each target.
     Query(Query<'a>),
     /// The same of an arm on a slide.
-    Sweep(Box<Sweep<'a>>),
+    Sweep(Sweep<'a>),
 }
 
 /// A request to the closed form with the default step solver behind it.
@@ -45,7 +46,7 @@ impl<'a> Auto<'a> {
     /// all arm angles or places of the slide where one is free.
     pub fn new(request: Request<'a>) -> Result<Self> {
         let form = match Sweep::new(request)? {
-            Some(sweep) => Form::Sweep(Box::new(sweep)),
+            Some(sweep) => Form::Sweep(sweep),
             None => Form::Query(Query::new(request, ArmAngle::Free, Choice::default())?),
         };
         Ok(Self { form, request, plan: OnceLock::new() })
