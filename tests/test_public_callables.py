@@ -46,10 +46,12 @@ from agrik_fast.drivers._messages import Type
 from agrik_fast.errors import AgrikError
 from agrik_fast.tuning import Tuning
 
-# Files and the jobs over them have tests of their own, which damage them; papers write files.
+# Files and the jobs over them have tests of their own, which damage them; papers write files, and
+# drawings are given axes.
 ELSEWHERE = (
     "agrik_fast.cli",
     "agrik_fast.cluster",
+    "agrik_fast.harvest.drawing",
     "agrik_fast.io",
     "agrik_fast.jobs",
     "agrik_fast.papers",
@@ -59,15 +61,17 @@ ELSEWHERE = (
 RECORDS = (BaseException, tuple, int, pydantic.BaseModel)
 # Records that the library makes and nobody else.
 ANSWERS = {
-    "Arrival", "Branches", "Command", "Commands", "DhRow", "Distances", "ExcludedPair", "IkResult",
-    "LinkStatistics", "PacedResult", "Path", "Report", "RigStatus", "Run", "SelfPairs",
-    "Straightened", "StrawberryResult", "TomatoBranches", "TomatoResult", "Torques",
+    "Arrival", "Attempt", "Blockers", "Branches", "Command", "Commands", "Decision", "Decisions",
+    "DhRow", "Distances", "Evaluation", "ExcludedPair", "IkResult", "LinkStatistics",
+    "PacedResult", "Path", "Programme", "Report", "RigStatus", "Run", "Runs", "SelfPairs",
+    "Sensitivity", "Simulated", "Straightened", "StrawberryResult", "Terms", "TomatoBranches",
+    "TomatoResult", "Torques",
 }  # fmt: skip
 # Objects and files, for which nothing but their own kind makes sense: what is none at all is the
 # type checker's business, as it is for `Robot(definition)`, which users do not call.
 OBJECTS = {
-    "checkpoint", "chunks", "content", "definition", "gain", "kind", "log", "path", "report",
-    "resume", "robot", "source", "store", "tuning",
+    "checkpoint", "chunks", "content", "definition", "directory", "found", "gain", "kind", "log",
+    "path", "progress", "report", "resume", "robot", "source", "store", "tuning",
 }  # fmt: skip
 # Texts and paths: what is neither is a TypeError in Python's own words.
 TEXTS = {"base_link", "name", "name_or_path", "path_or_text", "tip_link"}
@@ -76,6 +80,7 @@ COUNTS = {"count", "draws", "n"}
 
 ARM = ik.Robot.load("redundant7")
 POSES = ARM.fk(ARM.random_q(2, seed=1))
+CUCUMBER = ik.Robot.load("cucumber")
 SCENE = Scene(
     [SceneObject.of("a name", Sphere((0.4, 0.4, 0.4), 0.1))],
     targets={"a name": Target((0.4, 0.4, 0.4))},
@@ -117,6 +122,8 @@ ARGUMENTS: dict[str, Any] = {
     "at_stem": np.ones(3),
     "bodies": [Body("a body", 1, Sphere((0, 0, 0), 0.01))],
     "centre": np.zeros(3),
+    "crop": SCENE,
+    "psi": 0.1,
     "cloud": Cloud(np.zeros((3, 3)), 0.1, [1, 1, 2]),
     "document": {"unit": "m"},
     "foot": np.zeros(3),
@@ -195,6 +202,14 @@ EXACTLY: dict[str, Any] = {
     "tune.robot": ik.Robot.load("hydrolek"),
     "Body.frame": 1,
     "aiming_at.target": "a name",
+    **{
+        f"{name}.robot": CUCUMBER
+        for name in ("plan", "blockers", "sensitivity", "simulate", "approach_scan", "slide_table")
+    },
+    **{
+        f"{name}.target": "a name"
+        for name in ("sensitivity", "simulate", "approach_scan", "slide_table")
+    },
     "row.pitch": np.ones(3),
     "stem.foot": np.zeros(3),
 }

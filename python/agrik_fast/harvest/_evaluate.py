@@ -195,6 +195,8 @@ def evaluate(
     if not crop.targets:
         received = f"a scene of {len(crop)} objects without targets"
         raise ArgumentError("crop", received, "a scene with a target for each fruit")
+    if progress is not None and not callable(progress):
+        raise ArgumentError("progress", shown(progress), "a function of two numbers")
     checked = checked_settings(settings)
     options, wanted = checked.as_options(), truth_value("blockers", blockers)
     start = time.perf_counter()

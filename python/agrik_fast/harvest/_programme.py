@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks import FloatArray, real_number, whole_number
+from .._checks import FloatArray, finite_array, real_number, shown, whole_number
 from ..collision import Scene, Target
 from ..errors import ArgumentError
 from ..robot import Robot
@@ -178,10 +178,10 @@ class Programme:
         elif isinstance(target, Target):
             chosen = self._crop.chosen({"target": target})
         else:
-            chosen = self._crop.chosen(np.asarray(target, dtype=float)[None])
+            chosen = self._crop.chosen(finite_array("target", target, (3,))[None])
         self.weights = Weights() if weights is None else weights
         if not isinstance(self.weights, Weights):
-            raise ArgumentError("weights", repr(weights), "harvest.Weights")
+            raise ArgumentError("weights", shown(weights), "harvest.Weights")
         self._chosen = chosen
         of = self.weights
         x, y, z = chosen.points[0].tolist()

@@ -11,7 +11,8 @@ from typing import Any
 
 from .. import _native
 from .._atomic import write_bytes
-from ..errors import AgrikError
+from .._checks import shown, truth_value
+from ..errors import AgrikError, ArgumentError
 from ._evaluate import Evaluation
 
 __all__ = ["summary", "write_report"]
@@ -29,6 +30,8 @@ def summary(found: Evaluation) -> dict[str, Any]:
     dict
         What `write_report` writes as JSON; lengths in the unit that a name says.
     """
+    if not isinstance(found, Evaluation):
+        raise ArgumentError("found", shown(found), "an Evaluation")
     return {
         "format": 1,
         "version": _native.__version__,
@@ -73,8 +76,9 @@ def write_report(
     AgrikError
         A file cannot be written, or Matplotlib is missing.
     """
-    directory.mkdir(parents=True, exist_ok=True)
     record = summary(found)
+    truth_value("pictures", pictures)
+    directory.mkdir(parents=True, exist_ok=True)
     files = [
         _write(directory / "harvest.csv", _table(record["targets"])),
         _write(directory / "harvest.json", (json.dumps(record, indent=1) + "\n").encode()),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, float_array, real_number, whole_number
+from .._checks import FloatArray, finite_array, real_number, shown, whole_number
 from ..collision import Scene, Target
 from ..errors import ArgumentError
 from ..robot import Robot
@@ -292,11 +292,8 @@ class _Case:
         self.robot = self.programme._crop.robot
         self.errors = Errors() if errors is None else errors
         if not isinstance(self.errors, Errors):
-            raise ArgumentError("errors", repr(errors), "harvest.Errors")
-        self.q = float_array("q", q)
-        dof = len(self.robot.joint_names)
-        if self.q.shape != (dof,) or not np.isfinite(self.q).all():
-            raise ArgumentError("q", f"shape {self.q.shape}", f"shape ({dof},), finite")
+            raise ArgumentError("errors", shown(errors), "harvest.Errors")
+        self.q = finite_array("q", q, (len(self.robot.joint_names),))
         if self.robot.dh is None or self.robot.convention != "modified":
             raise ArgumentError(
                 "robot",

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _native
-from .._checks import FloatArray, shown, text, whole_number, word
+from .._checks import FloatArray, float_array, shown, text, whole_number, word
 from ..collision import Scene, Target
 from ..errors import ArgumentError
 from ..robot import Robot
@@ -22,7 +22,7 @@ __all__ = ["STATIC_KIND", "Crop", "Targets"]
 STATIC_KIND = "machine"
 """Objects of this kind are never touched, but may be near: a rail, a vehicle."""
 
-Targets: TypeAlias = "str | Iterable[str | tuple[str, Target]] | Mapping[str, Target] | ArrayLike"
+Targets: TypeAlias = "str | Sequence[str | tuple[str, Target]] | Mapping[str, Target] | ArrayLike"
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +118,7 @@ class Crop:
         """Return the targets that were asked for; all of the scene's for None."""
         found = self._named(targets)
         if found is None:
-            points = np.asarray(targets, dtype=float)
+            points = float_array("targets", cast(ArrayLike, targets))
             if points.ndim != 2 or points.shape[1] != 3:
                 expected = "names, a mapping of names to Target, or an array of shape (n, 3), m"
                 raise ArgumentError("targets", f"shape {points.shape}", expected)
@@ -126,6 +126,7 @@ class Crop:
             return Chosen(names, points, [[] for _ in names])
         seen: set[str] = set()
         for name, target in found:
+            text("targets", name)
             if not isinstance(target, Target):
                 raise ArgumentError(f"targets of {name!r}", shown(target), "a Target")
             if name in seen:
@@ -147,7 +148,7 @@ class Crop:
             targets = [targets]
         if isinstance(targets, Mapping):
             return list(targets.items())
-        if isinstance(targets, np.ndarray) or not isinstance(targets, Iterable):
+        if isinstance(targets, np.ndarray) or not isinstance(targets, Sequence | set | frozenset):
             return None
         found = []
         for one in targets:

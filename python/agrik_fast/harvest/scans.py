@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from typing import Any
 
+from .._checks import real_number, shown
 from ..collision import Scene
+from ..errors import ArgumentError
 from ..robot import Robot
 from ._plan import checked_settings
 from ._settings import Distance, Settings
-from ._station import Crop, Targets
+from ._station import Crop
 
 __all__ = ["approach_scan", "slide_table"]
 
 
 def _one(
-    robot: Robot | str, scene: Scene, target: Targets, distance: Distance
+    robot: Robot | str, scene: Scene, target: object, distance: Distance
 ) -> tuple[Crop, tuple[float, float, float], list[int]]:
     crop = Crop(robot, scene, distance, 3, "equal")
+    if not isinstance(target, str):
+        raise ArgumentError("target", shown(target), "the name of a target")
     chosen = crop.chosen(target)
     x, y, z = chosen.points[0].tolist()
     return crop, (x, y, z), chosen.objects[0]
@@ -95,4 +99,5 @@ def slide_table(
     """
     crop, point, objects = _one(robot, scene, target, distance)
     options = checked_settings(settings).as_options()
-    return crop.station.table(point, objects, psi, tilt, shift, options)
+    angles = (real_number("psi", psi), real_number("tilt", tilt), real_number("shift", shift))
+    return crop.station.table(point, objects, *angles, options)

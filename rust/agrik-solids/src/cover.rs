@@ -167,7 +167,7 @@ impl<'a> Spheres<'a> {
 
     /// Distance of the nearest sphere from a sphere (x, y, z, radius, m), m. The centres are
     /// the points of a grid, so that of the nearest one is known at once.
-    pub(crate) fn to_sphere(&self, [x, y, z, r]: [f64; 4]) -> f64 {
+    pub(crate) fn distance_from_sphere(&self, [x, y, z, r]: [f64; 4]) -> f64 {
         let (local, cell) = (self.cuboid.local([x, y, z]), self.cover.half(self.level));
         let off = [0, 1, 2].map(|k| {
             if cell[k] == 0.0 {
@@ -182,7 +182,7 @@ impl<'a> Spheres<'a> {
 
     /// Distance of the nearest sphere from a solid, m; a number above `cap` (m) where it is
     /// farther away than that.
-    pub(crate) fn to_solid(&self, solid: &Solid, cap: f64) -> f64 {
+    pub(crate) fn distance_from_solid(&self, solid: &Solid, cap: f64) -> f64 {
         let mut least = f64::INFINITY;
         let mut open = vec![(0, 0)];
         while let Some((level, index)) = open.pop() {

@@ -56,7 +56,7 @@ impl Asking<'_> {
                 let [x, y, z, r] = sphere;
                 point_to_core([x, y, z], solid.core()) - solid.radius() - r
             }
-            Self::Spheres(spheres) => spheres.to_sphere(sphere),
+            Self::Spheres(spheres) => spheres.distance_from_sphere(sphere),
         }
     }
 
@@ -64,7 +64,7 @@ impl Asking<'_> {
     fn to_solid(self, other: &Solid, cap: f64) -> f64 {
         match self {
             Self::Solid(solid) => distance_within(solid, other, cap),
-            Self::Spheres(spheres) => spheres.to_solid(other, cap),
+            Self::Spheres(spheres) => spheres.distance_from_solid(other, cap),
         }
     }
 }
