@@ -142,10 +142,13 @@ impl HarvestProgramme {
     }
 }
 
+/// One of the terms.
+type Of = fn(&Terms) -> f64;
+
 /// Terms as columns.
 fn columns<'py>(py: Python<'py>, shape: &[usize], all: &[Terms]) -> PyResult<Bound<'py, PyDict>> {
     let out = PyDict::new(py);
-    let of: [(&str, fn(&Terms) -> f64); 5] = [
+    let of: [(&str, Of); 5] = [
         ("cost", |terms| terms.cost),
         ("position", |terms| terms.position),
         ("orientation", |terms| terms.orientation),

@@ -21,6 +21,9 @@ use crate::{errors, threads};
 #[pyclass(frozen, module = "agrik_fast._native")]
 pub struct HarvestStation(harvest::Station);
 
+/// Objects in the way, whether no smaller set does, and the posture's row.
+type Blocking<'py> = (Vec<usize>, bool, Bound<'py, PyDict>);
+
 /// Targets as they came: points, and the objects of each.
 fn targets(
     points: &Bound<'_, PyAny>,
@@ -140,7 +143,7 @@ impl HarvestStation {
         names: Vec<String>,
         settings: Option<&Bound<'py, PyDict>>,
         threads: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Vec<Option<(Vec<usize>, bool, Bound<'py, PyDict>)>>> {
+    ) -> PyResult<Vec<Option<Blocking<'py>>>> {
         let targets = targets(points, objects, names)?;
         let settings = settings::read(settings)?;
         let threads = threads::number(threads, "threads")?;
