@@ -104,7 +104,7 @@ def main() -> int:
     """Make the rows, run them by both runners; 1 where a limit is exceeded."""
     parser = argparse.ArgumentParser(description="What runners of cluster jobs cost.")
     parser.add_argument("--rows", type=float, default=1e7)
-    parser.add_argument("--partitions", type=int, default=10)
+    parser.add_argument("--partitions", type=int, default=16)
     parser.add_argument("--solver", default="pinv", help="pinv makes partitions of ten seconds")
     parser.add_argument("--runners", default="local,dask")
     options = parser.parse_args()
