@@ -16,6 +16,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -26,7 +27,6 @@ ROBOT = "redundant7"
 WORKERS = 2
 LIMIT = 0.03
 LIMIT_MB = 300
-PORT = 18790
 MAKE = """
 import sys
 import numpy as np
@@ -77,29 +77,38 @@ def measure(folder: Path, name: str, solver: str, *more: str) -> dict[str, float
     }
 
 
-def dask_cluster(folder: Path) -> list[subprocess.Popen[bytes]]:
-    """Start a scheduler and two workers."""
-    log = (folder / "dask.log").open("w")
+def dask_cluster(folder: Path, started: list[subprocess.Popen[bytes]]) -> str:
+    """Start a scheduler and two workers, and return the scheduler's address."""
+    file = folder / "scheduler.json"
+    log = (folder / "scheduler.log").open("w")
     scheduler = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1"]
-    worker = [sys.executable, "-m", "distributed.cli.dask_worker", f"tcp://127.0.0.1:{PORT}"]
-    worker += ["--nthreads", "1", "--nworkers", str(WORKERS), "--memory-limit", "1GiB"]
-    worker += ["--local-directory", str(folder / "dask")]
-    started = [
-        subprocess.Popen([*scheduler, "--port", str(PORT)], stdout=log, stderr=log),
-        subprocess.Popen(worker, stdout=log, stderr=log),
-    ]
+    scheduler += ["--port", "0", "--no-dashboard", "--scheduler-file", str(file)]
+    started.append(subprocess.Popen(scheduler, stdout=log, stderr=log))
+    while not file.exists():
+        time.sleep(0.1)
+    address: str = json.loads(file.read_text())["address"]
+    worker = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "1"]
+    worker += ["--nworkers", str(WORKERS), "--memory-limit", "1GiB", "--no-dashboard"]
+    worker += ["--local-directory", str(folder / "scratch")]
+    started.append(subprocess.Popen(worker, stdout=log, stderr=log))
     time.sleep(10)
-    return started
+    return address
+
+
+def _end(number: int, frame: object) -> None:
+    """Unwind, so that the cluster does not outlive what it was started for."""
+    sys.exit(128 + number)
 
 
 def main() -> int:
     """Make the rows, run them by both runners; 1 where a limit is exceeded."""
     parser = argparse.ArgumentParser(description="What runners of cluster jobs cost.")
     parser.add_argument("--rows", type=float, default=1e7)
-    parser.add_argument("--partitions", type=int, default=10)
+    parser.add_argument("--partitions", type=int, default=16)
     parser.add_argument("--solver", default="pinv", help="pinv makes partitions of ten seconds")
     parser.add_argument("--runners", default="local,dask")
     options = parser.parse_args()
+    signal.signal(signal.SIGTERM, _end)
     runners = options.runners.split(",")
     found = {}
     with tempfile.TemporaryDirectory() as name:
@@ -111,9 +120,9 @@ def main() -> int:
         if "local" in runners:
             found["local"] = measure(folder, "local", options.solver, "--workers", str(WORKERS))
         if "dask" in runners:
-            started = dask_cluster(folder)
+            started: list[subprocess.Popen[bytes]] = []
             try:
-                address = f"tcp://127.0.0.1:{PORT}"
+                address = dask_cluster(folder, started)
                 found["dask"] = measure(folder, "dask", options.solver, "--scheduler", address)
             finally:
                 for process in reversed(started):
