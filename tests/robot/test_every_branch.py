@@ -322,6 +322,27 @@ def test_the_ring_cut_elsewhere(name: str) -> None:
                 assert found.reached.sum() == wanted.reached.sum()
 
 
+@pytest.mark.parametrize("name", ["ur5", "puma560"])
+def test_lost_branches_of_a_ring_cut_elsewhere_are_not_called_proven(name: str) -> None:
+    """Parallel and meeting axes at the ring's cut lose branches, in the worst case all."""
+    given = SIX[name]
+    axes, points = np.array(given["axes"]), np.array(given["points"])
+    plain = robot(axes, points, np.eye(4))
+    statuses = []
+    for one in np.random.default_rng(9).uniform(-np.pi, np.pi, (60, 6)):
+        goal = plain.fk(one)
+        back = np.linalg.inv(goal)
+        for first in (1, 2, 5):
+            ring = robot(
+                np.vstack([axes[first:], axes[:first] @ back[:3, :3].T]),
+                np.vstack([points[first:], points[:first] @ back[:3, :3].T + back[:3, 3]]),
+                np.eye(4),
+            )
+            statuses.append(int(ring.ik_all(goal).status))
+    assert set(statuses) <= {Status.CONVERGED, Status.NOT_FOUND}
+    assert statuses.count(Status.CONVERGED) > 0.9 * len(statuses)
+
+
 @pytest.mark.parametrize("digits", [4, 6])
 @pytest.mark.parametrize("name", ["ur5", "puma560", "hydrolek"])
 def test_rounded_angles_are_the_given_arm(name: str, digits: int) -> None:

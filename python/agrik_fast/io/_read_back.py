@@ -126,13 +126,14 @@ def _csv(path: Path, refuse: Refusal) -> Read:
     if not names:
         raise refuse(f"{_NO_RESULT}: the file is empty")
     _joints(names, refuse)
-    words = [names.index(name) for name in _WORDS]
+    worded = [*_WORDS, *_scene_names(names)[1:]]
+    words = [names.index(name) for name in worded]
     numeric = [at for at in range(len(names)) if at not in words]
     blocks = []
     while True:
         numbers, texts, lines = rows.block(_BLOCK, CHUNK_BYTES, numeric, words)
         columns: Columns = {names[at]: numbers[:, k] for k, at in enumerate(numeric)}
-        for name, column in zip(_WORDS, texts, strict=True):
+        for name, column in zip(worded, texts, strict=True):
             columns[name] = _words(name, column, lines, refuse)
         blocks.append(columns)
         if not lines:
@@ -147,7 +148,7 @@ def _words(name: str, texts: list[str], lines: list[int], refuse: Refusal) -> ND
     for text, line in zip(texts, lines, strict=True):
         if name == "id":
             check_text(text, f"line {line}, 'id'", refuse)
-        elif text not in _WORDS[name]:
+        elif name in _WORDS and text not in _WORDS[name]:
             raise refuse(f"line {line}, '{name}': expected one of {', '.join(_WORDS[name])}")
     return _column(name, texts)
 

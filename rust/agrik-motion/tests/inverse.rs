@@ -123,7 +123,7 @@ fn ur5() -> Collider {
         [0.0, -90.0, 0.09465],
         [0.0, 0.0, 0.0823],
     ];
-    Collider::new(of_rows("ur5", &rows, 3.14, 0.04), posts(), &[], None).unwrap()
+    Collider::new(of_rows("ur5", &rows, 3.1, 0.04), posts(), &[], None).unwrap()
 }
 
 fn puma() -> Collider {

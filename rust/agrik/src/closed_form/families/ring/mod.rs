@@ -24,13 +24,13 @@ use super::postures::{MOST, Set};
 use crate::closed_form::geometry::rigid::Rigid;
 use crate::closed_form::geometry::screws::Screws;
 use crate::closed_form::geometry::serial::Serial;
-use crate::lanes::{Level, dispatch};
+use crate::lanes::{Level, dispatch, sub};
 use crate::random::Sequence;
 
 /// Noise of the samples above which a polynomial is not trusted.
 const NOISY: f64 = 1e-9;
-/// Noise below which a polynomial without roots is proof that there is no posture.
-const CLEAN: f64 = 1e-12;
+/// Share of all lengths that rounding may add to them.
+const ROUNDING: f64 = 1e-9;
 /// Poses of random postures that decide between the cuts.
 const TRIALS: usize = 128;
 
@@ -174,9 +174,16 @@ impl Ring {
                 }
             }
         }
-        for set in sets.iter_mut() {
-            set.none = set.count == 0 && set.places == 0 && set.noise < CLEAN;
+        for (set, goal) in sets.iter_mut().zip(&scaled) {
+            set.none = set.count == 0 && self.is_too_far(goal);
         }
+    }
+
+    /// No posture reaches that far from the first axis: the triangle inequality. That no root was
+    /// found is no proof, however clean the samples are.
+    fn is_too_far(&self, goal: &Rigid<f64>) -> bool {
+        let [x, y, z] = sub(goal.shift, self.axes.joints[0].point);
+        (x * x + y * y + z * z).sqrt() > (1.0 + ROUNDING) * self.axes.length() * 3.0
     }
 
     /// Something says that postures may be missing.
