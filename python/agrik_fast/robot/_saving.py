@@ -144,7 +144,7 @@ def _joint(spec: Mapping[str, Any], names: list[str]) -> dict[str, Any]:
 
 def _explain(content: dict[str, Any], notes: Mapping[str, str]) -> None:
     """Put each note to the table of its number, under the key that the number has now."""
-    places = {"base": content["base"], "tool": content["tool"]}
+    places = {name: content.get(name, {}) for name in ("base", "tool", "end_effector")}
     places |= {f"frames.{name}": table for name, table in content["frames"].items()}
     places |= {row["name"]: row for row in content.get("dh", content.get("joint", []))}
     for number, note in notes.items():
