@@ -38,7 +38,7 @@ pytestmark = [
     pytest.mark.filterwarnings("default"),
     pytest.mark.skipif(sys.platform != "linux", reason="processes are found in /proc"),
 ]
-PARTITIONS = 6
+PARTITIONS = 4
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +85,7 @@ def run() -> Iterator[Processes]:
 
 @pytest.fixture(scope="module")
 def formula(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_formula(tmp_path_factory.mktemp("formula") / "grid.toml")
+    return write_formula(tmp_path_factory.mktemp("formula") / "grid.toml", 1_200, 300)
 
 
 @pytest.fixture(scope="module")
