@@ -114,7 +114,7 @@ POSTURES = {
 
 def draw_bodies(file, save):
     """Draw the bodies of all bundled arms."""
-    names = ik.Robot.names()
+    names = [name for name in ik.Robot.names() if ik.Robot.load(name).bodies]
     figure = plt.figure(figsize=(12, 6.4))
     for place, name in enumerate(names, start=1):
         arm = ik.Robot.load(name)

@@ -62,7 +62,7 @@ RECORDS = (BaseException, tuple, int, pydantic.BaseModel)
 # Records that the library makes and nobody else.
 ANSWERS = {
     "Arrival", "Attempt", "Blockers", "Branches", "Command", "Commands", "Decision", "Decisions",
-    "DhRow", "Distances", "Evaluation", "ExcludedPair", "IkResult", "LinkStatistics",
+    "DhRow", "Distances", "Evaluation", "ExcludedPair", "Family", "IkResult", "LinkStatistics",
     "PacedResult", "Path", "Programme", "Report", "RigStatus", "Run", "Runs", "SelfPairs",
     "Sensitivity", "Simulated", "Straightened", "StrawberryResult", "Terms", "TomatoBranches",
     "TomatoResult", "Torques",

@@ -129,13 +129,12 @@ def test_what_a_handler_raises_ends_the_call_and_leaves_the_last_answer():
     assert solver.solve(EASY)
 
 
-@pytest.mark.parametrize("change", ["resize", "shape", "dtype", "flags", "base"])
+@pytest.mark.parametrize("change", ["resize", "shape", "dtype", "flags", "values"])
 def test_whatever_becomes_of_the_array_solving_goes_on(change):
     solver = ELBOW.solver("position")
     q = solver.q
     if change == "resize":
-        with pytest.raises(ValueError, match="own"):
-            q.resize((7,), refcheck=False)
+        q.resize((7,), refcheck=False)
     elif change == "shape":
         q.shape = (1, 2)
     elif change == "dtype":
@@ -144,9 +143,7 @@ def test_whatever_becomes_of_the_array_solving_goes_on(change):
     elif change == "flags":
         q.flags.writeable = False
     else:
-        memory = q.base.obj if isinstance(q.base, memoryview) else q.base
-        with pytest.raises(BufferError):
-            memory.extend(b"more")
+        q[:] = np.nan
     assert solver.solve(EASY)
     wanted = ELBOW.ik(EASY).q
     assert np.array_equal(np.frombuffer(solver.q.tobytes()), wanted)

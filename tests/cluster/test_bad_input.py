@@ -170,7 +170,10 @@ def test_options_are_named(source: Path, tmp_path: Path) -> None:
         (("--tls-ca", "a.pem"), "`--tls-cert`: expected all of --tls-ca, --tls-cert, --tls-key"),
         (("--task", "posed"), "unknown task 'posed'"),
         (("--solver", "lmm"), "unknown solver 'lmm'"),
-        (("--tol", "0"), "`--tol`: expected a finite number > 0, got 0.0"),
+        (
+            ("--tol", "0"),
+            "`--tol`: expected a positive number, or three of which inf frees an axis, got 0.0",
+        ),
         (("--generate", formula), "`paths`: expected OUT alone, with --generate, got 2"),
         (("--robot", "nobody"), "unknown robot 'nobody'"),
         (("--log", tmp_path / "no" / "log"), "`--log`: expected a file"),

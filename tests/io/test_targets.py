@@ -9,6 +9,7 @@ import pyarrow
 import pytest
 from pyarrow import parquet
 
+import agrik_fast as ik
 from agrik_fast import AgrikError
 from agrik_fast.io import (
     TargetFileError,
@@ -167,7 +168,7 @@ def test_ids_and_unused_columns(tmp_path: Path) -> None:
     assert math.isnan(chunk.targets[1, 1])
 
 
-def test_rows_that_are_no_target_become_nan(tmp_path: Path) -> None:
+def test_rows_that_are_no_target_are_bad_input(tmp_path: Path) -> None:
     text = "x_m,y_m,z_m,qx,qy,qz,qw\n1,2,nan,0,0,0,1\n1,2,3,0,0,0,2\n1,2,3,0,0,0,0\n1,2,3,0,0,0,1\n"
     targets = read_targets(csv_file(tmp_path, text)).read_all().targets
     assert np.isfinite(targets).all(axis=(1, 2)).tolist() == [False, False, False, True]
@@ -177,7 +178,10 @@ def test_rows_that_are_no_target_become_nan(tmp_path: Path) -> None:
     poses[3, 3, 3] = 2.0
     np.save(tmp_path / "poses.npy", poses)
     targets = read_targets(tmp_path / "poses.npy").read_all().targets
-    assert np.isfinite(targets).all(axis=(1, 2)).tolist() == [True, False, False, False]
+    # Matrices come as they are: which are none says the solver, as it is told to.
+    np.testing.assert_array_equal(targets, poses)
+    status = ik.Robot.load("redundant7").ik(targets).status
+    assert (status == ik.Status.BAD_INPUT).tolist() == [False, True, True, True]
 
 
 @pytest.mark.parametrize(

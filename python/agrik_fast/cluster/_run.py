@@ -47,8 +47,10 @@ class Progress:
     event : str
         What gave rise to this report: "start", "done", "skipped", "retry", "failed", "tick",
         "end".
-    name, error : str
-        The partition of the event, and what went wrong.
+    name : str
+        The partition of the event.
+    error : str
+        What went wrong.
     """
 
     partitions: int

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, float_array, whole_number, word
+from .._checks import FloatArray, float_array, truth_value, whole_number, word
 from .._stream import solve_ahead
 from ._path import Path
 
@@ -464,7 +464,7 @@ class InverseKinematics:
             tolerance_frame,
             locked,
             sweep,
-            wrap,
+            truth_value("wrap", wrap),
             task,
             word("invalid", invalid, INVALID),
         )
