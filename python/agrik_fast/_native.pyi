@@ -391,7 +391,7 @@ class Branches:
     def __len__(self) -> int:
         """Return the number of rows along the first dimension of the targets."""
 
-    def __getitem__(self, key: object) -> Branches:
+    def __getitem__(self, key: object, /) -> Branches:
         """Return the record of some of the targets, chosen as in a NumPy array of them."""
 
     def __iter__(self) -> Iterator[Branches]:
@@ -531,7 +531,7 @@ class IkResult:
     def __len__(self) -> int:
         """Return the number of rows along the first dimension of the targets."""
 
-    def __getitem__(self, key: object) -> IkResult:
+    def __getitem__(self, key: object, /) -> IkResult:
         """Return the record of some of the targets, chosen as in a NumPy array of them."""
 
     def __iter__(self) -> Iterator[IkResult]:
@@ -788,7 +788,7 @@ class Collider:
         """The objects."""
 
     def collides(
-        self, q: ArrayLike, clear: float = 0.0, threads: int | None = None
+        self, q: ArrayLike, clear: float | None = None, threads: int | None = None
     ) -> NDArray[np.bool_]:
         """Whether postures hit the scene or themselves.
 
@@ -1050,7 +1050,7 @@ class StrawberryArm:
         """Return the steps of remark 3 to a pose: (axis, target) pairs."""
 
     def suggest_base_shift(
-        self, targets: ArrayLike, may_move: list[bool], within: float = 1e-8
+        self, targets: ArrayLike, may_move: list[bool], within: float = ...
     ) -> NDArray[np.float64]:
         """Return the smallest platform translations but for `within`, m; NaN where none helps.
 
