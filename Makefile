@@ -78,7 +78,7 @@ damaged: build $(VENV)/.dev ## 2,000 damaged files: no traceback, < 500 MB, < 5 
 fuzz-arms: build ## random arms, solvers and tasks against what is promised: 10^7 rows
 	$(PY) benches/fuzz_arms.py --rows 1e7
 
-fuzz-sample: build ## two minutes of the same, as in the continuous integration
+fuzz-sample: build ## two minutes of the same
 	$(PY) benches/fuzz_arms.py --minutes 2
 
 robustness: build $(ROBOTS)/.done ## docs/robustness.md made anew, on arms that are downloaded
