@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import agrik_fast as ik
+import spec_scenes
 from agrik_fast.collision import Scene
 from agrik_fast.io import read_results
 from agrik_fast.io._results import RESULT_SUFFIXES
@@ -17,19 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 BENCH = ROOT / "examples/scenes/bench.toml"
 
 
-WITH_BODIES = [
-    "cucumber",
-    "hydrolek",
-    "panda",
-    "puma560",
-    "redundant7",
-    "strawberry",
-    "tomato",
-    "ur5",
-]
-
-
-@pytest.mark.parametrize("name", WITH_BODIES)
+@pytest.mark.parametrize("name", spec_scenes.WITH_BODIES)
 def test_bodies_and_self_pairs_are_printed(name: str) -> None:
     arm = ik.Robot.load(name)
     text = run_command("info", name, "--body").stdout

@@ -238,19 +238,7 @@ exclude = [["a", "f"]]
     assert len(others) <= 3, others
 
 
-WITH_BODIES = [
-    "cucumber",
-    "hydrolek",
-    "panda",
-    "puma560",
-    "redundant7",
-    "strawberry",
-    "tomato",
-    "ur5",
-]
-
-
-@pytest.mark.parametrize("name", WITH_BODIES)
+@pytest.mark.parametrize("name", spec_scenes.WITH_BODIES)
 def test_bundled_arms_have_bodies_with_provenance(name: str, load_robot: LoadRobot) -> None:
     arm = load_robot(name)
     assert len(arm.bodies) >= 4
