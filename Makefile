@@ -154,7 +154,7 @@ $(VENV)/.docs: pyproject.toml $(VENV)/.pip
 	@touch $@
 
 $(NATIVE): $(RUST_SOURCES) pyproject.toml $(VENV)/.build
-	VIRTUAL_ENV=$(abspath $(VENV)) $(PY) -m maturin develop --release $(LOCKED) --extras parquet
+	VIRTUAL_ENV=$(abspath $(VENV)) $(PY) -m maturin develop --release $(LOCKED) --extras parquet,drivers
 	@touch $@
 
 $(ROBOTS)/.done: pyproject.toml
