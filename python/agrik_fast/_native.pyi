@@ -210,6 +210,22 @@ class Chain:
         """Largest values, shape (dof,), rad or m; inf for continuous joints."""
 
     @property
+    def motion_limits(self) -> NDArray[np.float64]:
+        """Largest speed, acceleration and jerk, shape (3, dof), rad or m and s; inf where unknown.
+
+        No faster than any joint that follows another allows.
+        """
+
+    def joint_motion_limits(self) -> list[tuple[str, tuple[float, float, float]]]:
+        """Return the same by the names of the joints, as `with_motion_limits` takes it.
+
+        Of the joints of which anything is known.
+        """
+
+    def with_motion_limits(self, limits: Mapping[str, tuple[float, float, float]]) -> Chain:
+        """Return the chain with other limits of motion of the joints that are named."""
+
+    @property
     def link_names(self) -> list[str]:
         """Names of the frames of `fk_links`, the tool last."""
 

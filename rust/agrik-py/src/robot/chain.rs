@@ -1,8 +1,9 @@
 //! The class `Chain`: only names, signatures and conversions; the work is elsewhere.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
-use agrik::chain;
+use agrik::chain::{self, MotionLimits};
 use agrik::closed_form::{ClosedForm, Recognised};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
@@ -41,6 +42,8 @@ impl Chain {
 
 /// First link, last link, other tips, locked joints.
 type Ends = (String, String, Vec<String>, Vec<String>);
+/// Largest speed, acceleration, jerk.
+type Motion = (f64, f64, f64);
 type Array<'py> = PyResult<Bound<'py, PyArrayDyn<f64>>>;
 
 #[pymethods]
@@ -156,6 +159,38 @@ impl Chain {
     #[getter]
     fn upper<'py>(&self, py: Python<'py>) -> Array<'py> {
         array(py, &[self.0.dof()], self.of_variables(|v| v.upper))
+    }
+
+    /// Largest speed, acceleration and jerk, shape (3, dof), rad or m and s; inf where unknown.
+    #[getter]
+    fn motion_limits<'py>(&self, py: Python<'py>) -> Array<'py> {
+        let picks = [
+            self.of_variables(|v| v.motion.velocity),
+            self.of_variables(|v| v.motion.acceleration),
+            self.of_variables(|v| v.motion.jerk),
+        ];
+        array(py, &[3, self.0.dof()], picks.concat())
+    }
+
+    /// Return the same by the names of the joints, as `with_motion_limits` takes it; of the joints of
+    /// which anything is known.
+    fn joint_motion_limits(&self) -> Vec<(&str, Motion)> {
+        let known = self.0.joints().iter().filter(|j| j.motion != MotionLimits::UNKNOWN);
+        known
+            .map(|j| (&*j.name, (j.motion.velocity, j.motion.acceleration, j.motion.jerk)))
+            .collect()
+    }
+
+    /// Return the chain with other limits of motion of the joints that are named.
+    fn with_motion_limits(
+        &self,
+        py: Python<'_>,
+        limits: HashMap<String, Motion>,
+    ) -> PyResult<Self> {
+        let limits = limits.iter().map(|(name, &(velocity, acceleration, jerk))| {
+            (name.as_str(), MotionLimits { velocity, acceleration, jerk })
+        });
+        Self::wrap(py, self.0.with_motion_limits(limits))
     }
 
     /// Names of the frames of `fk_links`, the tool last.
