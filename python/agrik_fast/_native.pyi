@@ -210,6 +210,22 @@ class Chain:
         """Largest values, shape (dof,), rad or m; inf for continuous joints."""
 
     @property
+    def motion_limits(self) -> NDArray[np.float64]:
+        """Largest speed, acceleration and jerk, shape (3, dof), rad or m and s; inf where unknown.
+
+        No faster than any joint that follows another allows.
+        """
+
+    def joint_motion_limits(self) -> list[tuple[str, tuple[float, float, float]]]:
+        """Return the same by the names of the joints, as `with_motion_limits` takes it.
+
+        Of the joints of which anything is known.
+        """
+
+    def with_motion_limits(self, limits: Mapping[str, tuple[float, float, float]]) -> Chain:
+        """Return the chain with other limits of motion of the joints that are named."""
+
+    @property
     def link_names(self) -> list[str]:
         """Names of the frames of `fk_links`, the tool last."""
 
@@ -281,6 +297,7 @@ class Chain:
         position_tolerance: ArrayLike | None = None,
         orientation_tolerance: ArrayLike | None = None,
         tolerance_frame: str | None = None,
+        max_change: ArrayLike | None = None,
         recipe: tuple[Any, ...] | None = None,
     ) -> TargetSolver:
         """Make a solver for one target at a time; see `agrik_fast.Robot.solver`."""
@@ -473,7 +490,7 @@ class TargetSolver:
             array of doubles is read without conversion.
         q0 : array_like, shape (n,), rad or m, optional
             Start values of the first attempt, for example the last `q`. Default: chosen
-            from the seed.
+            from the seed. With `max_change` where the arm stands; default: the last answer.
 
         Returns
         -------

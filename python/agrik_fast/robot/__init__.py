@@ -28,6 +28,7 @@ from ._inverse import PREFERENCES as PREFERENCES
 from ._inverse import InverseKinematics
 from ._inverse import Prefer as Prefer
 from ._inverse import SceneOf as SceneOf
+from ._motion_limits import MotionLimits
 from ._path import Path
 
 __all__ = ["DhRow", "Path", "Robot", "file_schema"]
@@ -52,7 +53,7 @@ def file_schema() -> dict[str, Any]:
     return RobotFile.model_json_schema()
 
 
-class Robot(InverseKinematics, CollisionBodies):
+class Robot(InverseKinematics, CollisionBodies, MotionLimits):
     """A serial arm: joints with limits, a base and a tool transform.
 
     Make one with `Robot.load`, `Robot.from_dh` or `Robot.from_urdf`. A robot never
