@@ -10,6 +10,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "tools")]
 import generate  # noqa: E402 - found only after the line above
 import links  # noqa: E402
 
+from agrik_fast import _lazy  # noqa: E402
 from agrik_fast.drivers import Simulator, SimulatorError  # noqa: E402
 
 project = "agrik_fast"
@@ -31,6 +32,8 @@ myst_enable_extensions = ["deflist", "dollarmath"]
 myst_heading_anchors = 3
 # A name in single backticks is a link where the reference has it.
 default_role = "py:obj"
+# A word such as `iterations` may be an attribute of several classes: it stays without a link.
+suppress_warnings = ["ref.python"]
 
 html_theme = "pydata_sphinx_theme"
 html_title = "agrik_fast"
@@ -72,6 +75,7 @@ sphinx_gallery_conf = {
     "abort_on_example_error": False,
     "only_warn_on_example_error": False,
     "plot_gallery": True,
+    "capture_repr": (),
     "download_all_examples": False,
     "copyfile_regex": r".*\.(urdf|toml)",
     "remove_config_comments": True,
@@ -90,9 +94,21 @@ autoapi_generate_api_docs = False
 autoapi_add_toctree_entry = False
 autoapi_member_order = "bysource"
 autodoc_typehints = "signature"
+python_use_unqualified_type_names = True
 napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
+
+
+def add_names_of_the_package(app):
+    """Let the reference show `agrik_fast.Robot` by that name.
+
+    The package loads its names when they are used, which AutoAPI does not follow.
+    """
+    found = app.env.autoapi_all_objects
+    for name, module in _lazy.MODULE_OF.items():
+        if f"agrik_fast.{module}.{name}" in found:
+            found[f"agrik_fast.{name}"] = found[f"agrik_fast.{module}.{name}"]
 
 
 def without_text(app, what, name, member, skip, options):
@@ -102,5 +118,7 @@ def without_text(app, what, name, member, skip, options):
 
 def setup(app):
     app.connect("builder-inited", lambda app: generate.main(HERE / "_generated"))
+    # After AutoAPI has read the sources.
+    app.connect("builder-inited", add_names_of_the_package, priority=900)
     app.connect("autodoc-skip-member", without_text)
     app.connect("missing-reference", links.resolve)

@@ -219,7 +219,7 @@ def describe(name: str) -> str:
 def main(folder: Path) -> None:
     """Write everything into `folder`."""
     folder.mkdir(exist_ok=True)
-    front_picture.draw_front(folder / "front.png", save)
+    front_picture.draw(folder, save)
     draw_reach(folder / "reach.svg")
     draw_arm_angles(folder / "arm_angles.svg")
     draw_branches(folder / "branches.svg")

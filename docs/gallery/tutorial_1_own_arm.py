@@ -1,6 +1,6 @@
 """
-Your own arm
-============
+Bring your own arm
+==================
 
 From a URDF to joint values in five steps: write or take the file, load it, look at what was
 read, ask for a target, and keep the arm in a small file of its own.
