@@ -364,7 +364,15 @@ class Chain:
 
 @final
 class Branches:
-    """Every branch of the targets of one `Robot.ik_all` call."""
+    """Every branch of the targets of one `Robot.ik_all` call.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("puma560")
+    >>> found = arm.ik_all(arm.fk([0.4, 0.9, -0.6, 0.5, 0.7, 0.2]))
+    >>> found.q.shape, int(found.valid.sum())
+    ((8, 6), 4)
+    """
 
     @property
     def q(self) -> NDArray[np.float64]:
@@ -415,7 +423,14 @@ class Branches:
         """Go through the rows along the first dimension of the targets."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the arrays by their names."""
+        """Return the arrays by their names.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> arm.ik_all(arm.fk(np.full(6, 0.5))).to_dict()["q"].shape
+        (8, 6)
+        """
 
     def to_arrow(self) -> Any:
         """Return a `pyarrow.Table`: one row a target (of branches: a branch).
@@ -424,6 +439,13 @@ class Branches:
         ------
         MissingExtraError
             pyarrow is not installed.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> found = arm.ik_all(arm.fk(np.full((1, 6), 0.5)))
+        >>> found.to_arrow().num_rows
+        8
         """
 
     def to_pandas(self) -> Any:
@@ -433,6 +455,13 @@ class Branches:
         ------
         MissingExtraError
             pandas is not installed.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> found = arm.ik_all(arm.fk(np.full((1, 6), 0.5)))
+        >>> len(found.to_pandas())
+        8
         """
 
 @final
@@ -441,6 +470,14 @@ class TargetSolver:
 
     Each call overwrites the values of the one before and, but for the feedback laws with
     matrices, allocates no memory after the first.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("panda")
+    >>> solver = arm.solver(seed=1)
+    >>> q = np.array([0.0, -0.4, 0.0, -2.0, 0.0, 1.8, 0.8])
+    >>> solver.solve(arm.fk(q), q), ik.Status(solver.status).name
+    (True, 'CONVERGED')
     """
 
     def solve(self, target: ArrayLike, q0: ArrayLike | None = None) -> bool:
@@ -464,6 +501,12 @@ class TargetSolver:
         ------
         ArgumentError
             A wrong shape or type; a transform that is not rigid.
+
+        Examples
+        --------
+        >>> solver = ik.Robot.load("tomato").solver("position")
+        >>> solver.solve([0.2, 0.1, 0.1]), solver.solve([9.0, 0.0, 0.0])
+        (True, False)
         """
 
     @property
@@ -496,7 +539,15 @@ class TargetSolver:
 
 @final
 class IkResult:
-    """Answers of one `Robot.ik` call; arrays have the targets' leading shape."""
+    """Answers of one `Robot.ik` call; arrays have the targets' leading shape.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("ur5")
+    >>> result = arm.ik(arm.fk(arm.random_q(4, seed=1)))
+    >>> result.q.shape, bool(result.success.all()), bool((result.position_error < 1e-6).all())
+    ((4, 6), True, True)
+    """
 
     @property
     def q(self) -> NDArray[np.float64]:
@@ -555,7 +606,14 @@ class IkResult:
         """Go through the rows along the first dimension of the targets."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the arrays by their names."""
+        """Return the arrays by their names.
+
+        Examples
+        --------
+        >>> arrays = ik.Robot.load("ur5").ik([0.4, 0.2, 0.3]).to_dict()
+        >>> arrays["q"].shape, bool(arrays["success"])
+        ((6,), True)
+        """
 
     def to_arrow(self) -> Any:
         """Return a `pyarrow.Table`: one row a target (of branches: a branch).
@@ -564,6 +622,11 @@ class IkResult:
         ------
         MissingExtraError
             pyarrow is not installed.
+
+        Examples
+        --------
+        >>> ik.Robot.load("tomato").ik([[0.2, 0.1, 0.1]]).to_arrow().num_rows
+        1
         """
 
     def to_pandas(self) -> Any:
@@ -573,6 +636,11 @@ class IkResult:
         ------
         MissingExtraError
             pandas is not installed.
+
+        Examples
+        --------
+        >>> len(ik.Robot.load("tomato").ik([[0.2, 0.1, 0.1]] * 3).to_pandas())
+        3
         """
 
     def __bool__(self) -> bool:
@@ -1300,10 +1368,23 @@ def set_num_threads(n: int | None) -> None:
     ------
     ArgumentError
         `n` is below 1.
+
+    Examples
+    --------
+    >>> ik.set_num_threads(1)
+    >>> ik.get_num_threads()
+    1
+    >>> ik.set_num_threads(None)
     """
 
 def get_num_threads() -> int:
-    """Return the number of threads that a batch call uses by default."""
+    """Return the number of threads that a batch call uses by default.
+
+    Examples
+    --------
+    >>> ik.get_num_threads() >= 1
+    True
+    """
 
 def simd_level() -> str:
     """Return the instruction set that the batch loops use in this process.
@@ -1314,6 +1395,11 @@ def simd_level() -> str:
         "scalar", "neon", "avx2" or "avx512": the highest that the machine has, or the one
         that the environment variable ``AGRIK_SIMD`` names. A name that the machine does not
         have is a `RuntimeWarning` when the compiled module is first used.
+
+    Examples
+    --------
+    >>> ik.simd_level() in ("scalar", "neon", "avx2", "avx512")
+    True
     """
 
 @final

@@ -29,7 +29,15 @@ app.add_typer(cluster_app, name="cluster")
 
 
 def main() -> None:
-    """Run the command line and exit with its status."""
+    """Run the command line and exit with its status.
+
+    Examples
+    --------
+    >>> import subprocess, sys
+    >>> command = [sys.executable, "-m", "agrik_fast.cli", "robots"]
+    >>> "ur5" in subprocess.run(command, capture_output=True, text=True).stdout
+    True
+    """
     run(lambda: app(prog_name="agrik-fast"))
 
 

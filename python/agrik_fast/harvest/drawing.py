@@ -49,6 +49,12 @@ def box_faces(centre: FloatArray, rotation: FloatArray, half: FloatArray) -> lis
     -------
     list of 6 ndarray, shape (4, 3), m
         The corners of each face, in order.
+
+    Examples
+    --------
+    >>> from agrik_fast.harvest import drawing
+    >>> len(drawing.box_faces(np.zeros(3), np.eye(3), np.full(3, 0.1)))
+    6
     """
     corners = centre + (_CORNERS * half) @ rotation.T
     return [corners[face] for face in _FACES]
@@ -65,6 +71,16 @@ def draw_boxes(axes: Any, faces: list[FloatArray], colour: str, alpha: float) ->
     colour : str
     alpha : float
         0 to 1.
+
+    Examples
+    --------
+    >>> import matplotlib.figure
+    >>> from agrik_fast.harvest import drawing
+    >>> axes = matplotlib.figure.Figure().add_subplot(projection="3d")
+    >>> faces = drawing.box_faces(np.zeros(3), np.eye(3), np.full(3, 0.1))
+    >>> drawing.draw_boxes(axes, faces, "#3b5ba5", 0.5)
+    >>> len(axes.collections)
+    1
     """
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
@@ -84,6 +100,15 @@ def draw_scene(axes: Any, scene: Scene, skip: Iterable[str] = ()) -> None:
     scene : Scene
     skip : iterable of str, optional
         Kinds of objects that are left out.
+
+    Examples
+    --------
+    >>> import matplotlib.figure
+    >>> from agrik_fast.harvest import drawing
+    >>> axes = matplotlib.figure.Figure().add_subplot(projection="3d")
+    >>> drawing.draw_scene(axes, ik.harvest.example_scene(), skip=["machine"])
+    >>> len(axes.collections) > 0
+    True
     """
     left_out = set(skip)
     points: dict[str, list[FloatArray]] = {}
@@ -128,6 +153,16 @@ def draw_arm(axes: Any, robot: Robot, q: FloatArray, colour: str = ARM, alpha: f
     q : ndarray, shape (n,), rad and m
     colour : str, optional
     alpha : float, default 0.6
+
+    Examples
+    --------
+    >>> import matplotlib.figure
+    >>> from agrik_fast.harvest import drawing
+    >>> axes = matplotlib.figure.Figure().add_subplot(projection="3d")
+    >>> arm = ik.Robot.load("cucumber")
+    >>> drawing.draw_arm(axes, arm, arm.home)
+    >>> len(axes.collections) > 0
+    True
     """
     for body, pose in _body_frames(robot, q):
         shape = body.shape.box if isinstance(body.shape, Cover) else body.shape
@@ -156,6 +191,15 @@ def frame_space(axes: Any, low: Sequence[float], high: Sequence[float], view: An
         Corners of what is shown.
     view : (float, float)
         Elevation and azimuth, deg.
+
+    Examples
+    --------
+    >>> import matplotlib.figure
+    >>> from agrik_fast.harvest import drawing
+    >>> axes = matplotlib.figure.Figure().add_subplot(projection="3d")
+    >>> drawing.frame_space(axes, (0, -1, 0), (1, 1, 2), (20, -60))
+    >>> axes.elev
+    20
     """
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])

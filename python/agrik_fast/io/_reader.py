@@ -35,6 +35,13 @@ class TargetReader(abc.ABC):
         True if the row ids are text.
     ignored : tuple of str
         Columns or keys that were found and not used.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import read_targets
+    >>> np.save("points.npy", [[0.4, 0.2, 0.3], [0.3, 0.1, 0.4]])
+    >>> read_targets("points.npy").count
+    2
     """
 
     path: Path
@@ -51,10 +58,25 @@ class TargetReader(abc.ABC):
         ------
         TargetFileError
             At the chunk that holds the fault, naming its row and column.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import read_targets
+        >>> np.save("points.npy", np.zeros((5, 3)))
+        >>> [len(chunk.targets) for chunk in read_targets("points.npy").chunks(2)]
+        [2, 2, 1]
         """
 
     def read_all(self) -> TargetChunk:
-        """All targets as one chunk."""
+        """All targets as one chunk.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import read_targets
+        >>> np.save("points.npy", np.zeros((5, 3)))
+        >>> read_targets("points.npy").read_all().targets.shape
+        (5, 3)
+        """
         parts = list(self.chunks())
         return TargetChunk(
             0,

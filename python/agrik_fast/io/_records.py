@@ -43,6 +43,13 @@ class TargetChunk:
         Tool points or tool poses in the robot's base frame.
     ids : ndarray, shape (n,)
         Row ids of the file, as int64 or text; row numbers from 1 where the file has none.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import TargetChunk
+    >>> chunk = TargetChunk(first=0, targets=np.zeros((2, 3)), ids=np.array([1, 2]))
+    >>> chunk.targets.shape
+    (2, 3)
     """
 
     first: int
@@ -67,6 +74,13 @@ class ResultLayout:
         How the results were made (robot, task, solver, seed, ...); kept in NPZ and Parquet.
     name_letters : int
         Letters of the longest name in the columns on a scene; 0 where there are none.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import ResultLayout
+    >>> arm = ik.Robot.load("strawberry")
+    >>> ResultLayout(ResultLayout.joint_names(arm.joint_names, arm.joint_types)).joint_columns
+    ('s10_m', 's21_m', 's32_m', 'theta_rad', 'beta_rad')
     """
 
     joint_columns: tuple[str, ...]
@@ -82,7 +96,14 @@ class ResultLayout:
 
     @staticmethod
     def joint_names(names: Sequence[str], types: Sequence[str]) -> tuple[str, ...]:
-        """Return column names of joints: ``_m`` for prismatic ones, ``_rad`` for the others."""
+        """Return column names of joints: ``_m`` for prismatic ones, ``_rad`` for the others.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import ResultLayout
+        >>> ResultLayout.joint_names(["slide", "elbow"], ["prismatic", "revolute"])
+        ('slide_m', 'elbow_rad')
+        """
         return tuple(
             f"{name}_{'m' if kind == 'prismatic' else 'rad'}"
             for name, kind in zip(names, types, strict=True)
@@ -99,6 +120,13 @@ class SceneColumns:
         Distance of the nearest collision; 0 or less in contact, infinite for none.
     body, object : ndarray of text, shape (n,)
         Names of the body and of the object, or other body, that it is nearest to.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import SceneColumns
+    >>> columns = SceneColumns(np.array([0.02]), np.array(["gripper"]), np.array(["leaf"]))
+    >>> str(columns.body[0])
+    'gripper'
     """
 
     clearance: NDArray[np.float64]
@@ -133,6 +161,15 @@ class ResultChunk:
     iterations, restarts : ndarray, shape (n,)
     scene : SceneColumns or None
         What they are nearest to, of answers that were to keep clear of a scene.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import ResultChunk
+    >>> one = np.ones(1, dtype=int)
+    >>> q, none = np.ones((1, 6)), np.zeros(1)
+    >>> chunk = ResultChunk(one, q, 0 * one, one > 0, none, none, one, one)
+    >>> chunk.q.shape
+    (1, 6)
     """
 
     ids: NDArray[Any]
@@ -165,7 +202,17 @@ class ResultChunk:
 
     @staticmethod
     def joined(chunks: Sequence[ResultChunk]) -> ResultChunk:
-        """Return chunks that follow one another as one."""
+        """Return chunks that follow one another as one.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import ResultChunk
+        >>> one = np.ones(1, dtype=int)
+        >>> q, none = np.ones((1, 6)), np.zeros(1)
+        >>> chunk = ResultChunk(one, q, 0 * one, one > 0, none, none, one, one)
+        >>> len(ResultChunk.joined([chunk, chunk]).ids)
+        2
+        """
 
         def whole(parts: Sequence[Any], name: str) -> NDArray[Any]:
             return np.concatenate([getattr(part, name) for part in parts])

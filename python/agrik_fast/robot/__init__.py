@@ -44,6 +44,7 @@ def file_schema() -> dict[str, Any]:
 
     Examples
     --------
+    >>> from agrik_fast.robot import file_schema
     >>> file_schema()["required"]
     ['format', 'name']
     """
@@ -139,6 +140,7 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
 
         Examples
         --------
+        >>> from agrik_fast import Robot
         >>> Robot.load("panda").dof
         7
         """
@@ -218,6 +220,7 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
 
         Examples
         --------
+        >>> from agrik_fast import Robot
         >>> arm = Robot.from_dh([[1, 0, 0, 0], [1, 0, 0, 0]], name="planar")
         >>> arm.joint_types
         ('continuous', 'continuous')
@@ -293,6 +296,7 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
 
         Examples
         --------
+        >>> from agrik_fast import Robot
         >>> arm = Robot.from_urdf(
         ...     '<robot name="r"><link name="a"/><link name="b"/><joint name="j" '
         ...     'type="continuous"><parent link="a"/><child link="b"/></joint></robot>'
@@ -309,6 +313,11 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
 
         Those of the package, and those that other packages bring by the entry points
         ``agrik_fast.robots``.
+
+        Examples
+        --------
+        >>> "ur5" in ik.Robot.names()
+        True
         """
         return _sources.names()
 
@@ -332,6 +341,7 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
 
         Examples
         --------
+        >>> from agrik_fast import Robot
         >>> import tempfile, pathlib
         >>> path = pathlib.Path(tempfile.mkdtemp()) / "arm.toml"
         >>> Robot.load("ur5").save(path)
@@ -481,6 +491,14 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
         ------
         ArgumentError
             `q` has another last dimension or holds no numbers.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> arm.fk(np.zeros(6))[:3, 3].round(4) + 0.0
+        array([-0.8172, -0.1914, -0.0055])
+        >>> arm.fk(np.zeros((5, 2, 6))).shape
+        (5, 2, 4, 4)
         """
         return self._chain.fk(q)
 
@@ -501,6 +519,13 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
         ------
         ArgumentError
             `q` has another last dimension or holds no numbers.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> frames = arm.fk_links(np.zeros(6))
+        >>> len(frames) == len(arm.link_names), np.allclose(frames[-1], arm.fk(np.zeros(6)))
+        (True, True)
         """
         return self._chain.fk_links(q)
 
@@ -522,6 +547,11 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
         ------
         ArgumentError
             `q` has another last dimension or holds no numbers.
+
+        Examples
+        --------
+        >>> ik.Robot.load("redundant7").jacobian(np.zeros(7)).shape
+        (6, 7)
         """
         return self._chain.jacobian(q)
 
@@ -543,6 +573,14 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
         ------
         ArgumentError
             Not a rigid transform.
+
+        Examples
+        --------
+        >>> gripper = np.eye(4)
+        >>> gripper[2, 3] = 0.12
+        >>> arm = ik.Robot.load("ur5").with_tool(gripper)
+        >>> arm.reach_radius > ik.Robot.load("ur5").reach_radius
+        True
         """
         return Robot(self._definition.replaced(tool=float_array("tool", tool).copy()))
 
@@ -570,6 +608,14 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
         ------
         ArgumentError
             Not a rigid transform.
+
+        Examples
+        --------
+        >>> raised = np.eye(4)
+        >>> raised[2, 3] = 0.5
+        >>> arm = ik.Robot.load("ur5")
+        >>> float((arm.with_base(raised).fk(arm.home) - arm.fk(arm.home))[2, 3].round(6))
+        0.5
         """
         return Robot(self._definition.replaced(base=float_array("base", base).copy(), frames={}))
 
@@ -591,6 +637,13 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
         ------
         UnknownNameError
             No frame has that name.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("strawberry")
+        >>> moved = [arm.in_frame(name).fk(arm.home) for name in arm.frames]
+        >>> all(np.allclose(T, F @ arm.fk(arm.home)) for T, F in zip(moved, arm.frames.values()))
+        True
         """
         known = self._definition.frames
         word("frame", frame, known)
@@ -620,6 +673,13 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
         ------
         ArgumentError
             A negative number.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> q = arm.random_q(100, seed=1)
+        >>> q.shape, bool(((arm.lower <= q) & (q <= arm.upper)).all())
+        ((100, 6), True)
         """
         sizes = () if n is None else n if isinstance(n, tuple) else (n,)
         shape = tuple(whole_number("n", size, 0) for size in sizes)
@@ -654,6 +714,7 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
 
         Examples
         --------
+        >>> from agrik_fast import Robot
         >>> Robot.load("ur5").joint_values({"elbow": 0.5}).tolist()
         [0.0, 0.0, 0.5, 0.0, 0.0, 0.0]
         """

@@ -287,6 +287,15 @@ class InverseKinematics:
             A wrong shape, type or value of an argument; start values out of the limits.
         KeyboardInterrupt
             Ctrl-C.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> q = np.radians([30.0, -100.0, 110.0, -100.0, -90.0, 0.0])
+        >>> line = np.repeat(arm.fk(q)[None], 11, axis=0)
+        >>> line[:, 0, 3] += np.linspace(0.0, 0.05, 11)
+        >>> arm.follow(line, q, max_joint_step=0.05)
+        Path(11 targets: 11 reached, 0 discontinuities)
         """
         result, jumps = self._chain.follow(
             targets,
@@ -346,6 +355,13 @@ class InverseKinematics:
         ------
         ArgumentError
             A step solver, several targets, or a wrong argument as in `ik`.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> history = arm.cost_history([0.4, 0.2, 0.3], "de", seed=1)
+        >>> bool(history[-1] < history[0])
+        True
         """
         return self._chain.cost_history(target, solver, task, q0, seed, tool)
 
@@ -514,6 +530,12 @@ class InverseKinematics:
         ------
         ArgumentError
             The arm is no S-R-S arm, or `q` has another last dimension.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("redundant7")
+        >>> float(arm.arm_angle([0.4, 0.7, 0.2, 1.5, 0.3, 0.6, 0.1]).round(4))
+        0.1294
         """
         return self._chain.arm_angle(q)
 
@@ -540,6 +562,13 @@ class InverseKinematics:
         ------
         ArgumentError
             The arm is no S-R-S arm, or the target is no rigid transform.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("redundant7")
+        >>> intervals = arm.arm_angle_intervals(arm.fk([0.4, 0.7, 0.2, 1.5, 0.3, 0.6, 0.1]))
+        >>> len(intervals), intervals[0].shape[1]
+        (8, 2)
         """
         found = self._chain.arm_angle_intervals(target, tool)
         return tuple(np.array(one, dtype=np.float64).reshape(-1, 2) for one in found)
@@ -591,6 +620,13 @@ class InverseKinematics:
         ------
         ArgumentError, UnknownNameError
             As `ik`, when the chunk's result is asked for; `first_index` at once.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> chunks = (arm.fk(arm.random_q(100, seed=k)) for k in range(3))
+        >>> sum(int(part.success.sum()) for part in arm.ik_stream(chunks))
+        300
         """
         first_index = whole_number("first_index", first_index, 0, 2**64 - 1)
         handle = _collider(self, scene)
