@@ -59,12 +59,15 @@ def outcomes(
     if len(finite):
         low, high = np.floor(np.log10(finite.min())), np.ceil(np.log10(finite.max()))
         edges = np.logspace(low, max(high, low + 1), _BINS)
-        for rows, colour, name in ((reached, PALETTE[0], "reached"), (~reached, PALETTE[1], "not")):
+        for rows, colour, name in (
+            (reached, PALETTE[0], "reached"),
+            (~reached, PALETTE[1], "not reached"),
+        ):
             values = error[rows & np.isfinite(error)]
             if len(values):
                 errors.hist(np.maximum(values, _FLOOR), edges, color=colour, label=name)
         errors.set_xscale("log")
-        errors.legend()
+        errors.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0))
     errors.set_xlabel(label("position error", "m"))
     errors.set_ylabel("targets")
     if len(steps):

@@ -82,8 +82,8 @@ def export_html(
     """
     from ._server import open_server, stop_server
     from ._session import Session
+    from ._sources import load, load_scene
     from ._stage import Stage
-    from ._view import load, load_scene
     from ._ways import follow
 
     file = Path(path)

@@ -161,8 +161,7 @@ class PathTab:
         tips = self._panel.session.robot.fk(way.q)[:, :3, 3]
         stage.way(tips, way.bad, None if targets is None else _places(targets))
         rows = np.flatnonzero(way.bad) + 1
-        chosen = rows[np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _MARKS)).astype(int))] \
-            if len(rows) else rows  # fmt: skip
+        marked = rows[:: max(1, -(-len(rows) // _MARKS))]
         with self._slot:
             # A cross in the bar of time for every pose that failed.
             self._time = gui.add_slider(
@@ -171,7 +170,7 @@ class PathTab:
                 max(len(way.q), 2),
                 1,
                 1,
-                marks=tuple((int(row), "×") for row in chosen),
+                marks=tuple((int(row), "×") for row in marked),
                 order=0.0,
             )
         self._time.on_update(self._panel._when("scrub", lambda: self._show(self._time.value)))

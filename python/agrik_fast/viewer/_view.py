@@ -19,6 +19,7 @@ from ..robot import LOOKS, Look, Robot
 from ._panel import Panel
 from ._server import open_server, stop_server
 from ._session import Session
+from ._sources import load, load_scene
 from ._tabs import Tabs
 
 _LARGEST_PORT = 65535
@@ -205,20 +206,6 @@ def view(
     if open_browser:
         webbrowser.open(viewer.url)
     return viewer
-
-
-def load(robot: Robot | str | PathLike[str]) -> tuple[Robot, str]:
-    """Return an arm, and what it is loaded by."""
-    if isinstance(robot, Robot):
-        return robot, robot.name
-    return Robot.load(robot), str(robot)
-
-
-def load_scene(scene: Scene | str | PathLike[str] | None) -> Scene | None:
-    """Return a scene of a file, or as it is."""
-    if scene is None or isinstance(scene, Scene):
-        return scene
-    return Scene.load(scene)
 
 
 def posture(robot: Robot, q: ArrayLike) -> np.ndarray:
