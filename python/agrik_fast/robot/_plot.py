@@ -172,7 +172,7 @@ class Drawing:
         ['x [m]']
         """
         robot = cast("Robot", self)
-        values = np.asarray(robot.home if q is None else q, dtype=float)
+        values = float_array("q", robot.home if q is None else q)
         if values.shape[-1:] != (robot.dof,) or not values.size or not np.isfinite(values).all():
             expected = f"finite numbers of shape (..., {robot.dof})"
             raise ArgumentError("q", shown(q), expected)

@@ -57,9 +57,8 @@ class Stage:
             for handle in (*self._arm, *self._branches):
                 handle.remove()
             self._branches, self._fingers = [], []
-            for handle in (self.handle, self._mark, self._label):
-                if handle is not None:
-                    handle.remove()
+            if self.handle is not None:
+                self.handle.remove()  # and its mark and words with it
             self._loads += 1
             self._parts = robot.surfaces(show)
             self._robot = robot

@@ -136,12 +136,12 @@ def _draw_bed(axes: Any, middle: float, top: float) -> None:
 def _title(arm: StrawberryArm, q: FloatArray, method: str, target: FloatArray | None = None) -> str:
     s10, s21, s32 = 1000 * q[:3]
     theta, beta = np.degrees(q[3:])
-    place = ""
+    place = ": "
     if target is not None:
         x, y, z = 1000 * target
-        place = f" at ({x:.0f}, {y:.0f}, {z:.1f}) mm"
+        place = f" at ({x:.0f}, {y:.0f}, {z:.1f}) mm:\n"
     return (
-        f"{NAMES[method]}{place}{': ' if not place else ':\n'}"
+        f"{NAMES[method]}{place}"
         f"{1000 * float(arm.energy(q)):.1f} mJ\n"
         f"s10 {s10:.1f}, s21 {s21:.1f}, s32 {s32:.1f} mm,\nθ {theta:.2f}°, β {beta:.2f}°"
     )
