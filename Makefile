@@ -20,7 +20,7 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run test lint format bench callgrind aarch64 sanitize miri wheel docs clean build oracle \
-	firmware rigs rigs-full \
+	firmware rigs rigs-full browser \
 	damaged fuzz-arms fuzz-sample robustness rust-lint rust-test python-lint python-test
 
 help: ## say what every target does
@@ -71,6 +71,10 @@ rigs: build $(VENV)/.dev ## the tests of firmware, plant and drivers alone
 rigs-full: build $(VENV)/.dev firmware ## an hour of simulated work and faults of each rig
 	PYTHONPATH=tests $(PY) tests/rigs_soak.py --minutes 60
 	$(PY) -m pytest tests/drivers/test_link.py --requests 5000 --timeout 900
+
+browser: build $(VENV)/.dev ## the viewer in Chromium (sets itself up on Debian as root)
+	.ci/browser
+	AGRIK_BROWSER=1 $(PY) -m pytest -m browser
 
 damaged: build $(VENV)/.dev ## 2,000 damaged files: no traceback, < 500 MB, < 5 s each
 	$(PY) tests/io/damaged_files.py --files 2000
@@ -133,6 +137,8 @@ python-test: build $(VENV)/.dev
 	$(PY) -m pytest $(if $(MARK),-m '$(MARK)')
 	@command -v avr-gcc >/dev/null || \
 		echo "NOT CHECKED: firmware and rigs, for want of an AVR compiler (see make firmware)"
+	@command -v chromedriver >/dev/null || \
+		echo "NOT CHECKED: the viewer in a browser, for want of Chromium (see make browser)"
 
 # ---- environments: a stamp file for each, so that a second call is quick ------------------------
 

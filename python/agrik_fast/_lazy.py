@@ -28,7 +28,17 @@ MODULE_OF = {
 }
 """Module that defines each public name."""
 
-MODULES = ("collision", "errors", "euler", "harvest", "rotations", "solvers", "tasks")
+MODULES = (
+    "collision",
+    "errors",
+    "euler",
+    "harvest",
+    "plots",
+    "rotations",
+    "solvers",
+    "tasks",
+    "viewer",
+)
 """Modules that are public names themselves."""
 
 _PACKAGE = "agrik_fast"

@@ -643,6 +643,28 @@ class IkResult:
         3
         """
 
+    def plot(self, arm: Any = None) -> Any:
+        """Draw what became of the targets; needs the extra ``plots``.
+
+        Parameters
+        ----------
+        arm : Robot, optional
+            With the arm that was asked, its postures in space are drawn instead.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Targets by status, in words; position errors of those that were reached and of the
+            others; steps taken. Or the arm: the last posture in full, the others pale.
+
+        Raises
+        ------
+        ArgumentError
+            `arm` is no Robot, or has another number of joints.
+        MissingExtraError
+            Matplotlib is not installed.
+        """
+
     def __bool__(self) -> bool:
         """Return whether a single target was reached.
 

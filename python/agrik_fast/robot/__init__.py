@@ -30,8 +30,13 @@ from ._inverse import Prefer as Prefer
 from ._inverse import SceneOf as SceneOf
 from ._motion_limits import MotionLimits
 from ._path import Path
+from ._plot import COLOURS as COLOURS
+from ._plot import Drawing
+from ._surfaces import LOOKS as LOOKS
+from ._surfaces import Look as Look
+from ._surfaces import Surface
 
-__all__ = ["DhRow", "Path", "Robot", "file_schema"]
+__all__ = ["DhRow", "Path", "Robot", "Surface", "file_schema"]
 
 
 def file_schema() -> dict[str, Any]:
@@ -53,7 +58,7 @@ def file_schema() -> dict[str, Any]:
     return RobotFile.model_json_schema()
 
 
-class Robot(InverseKinematics, CollisionBodies, MotionLimits):
+class Robot(InverseKinematics, CollisionBodies, MotionLimits, Drawing):
     """A serial arm: joints with limits, a base and a tool transform.
 
     Make one with `Robot.load`, `Robot.from_dh` or `Robot.from_urdf`. A robot never

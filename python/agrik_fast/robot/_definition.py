@@ -74,7 +74,9 @@ class Definition:
     attached: tuple[Body, ...] = ()
     """Bodies put on at run time."""
     urdf: UrdfGeometry | None = None
-    """Where the bodies of a URDF are to be read."""
+    """Where the bodies of a URDF are to be read; None once they are."""
+    looks: UrdfGeometry | None = None
+    """Where the visual geometry of a URDF is to be read."""
     end_effector: EndEffector | None = None
 
     def build(self) -> _native.Chain:
@@ -155,7 +157,9 @@ def from_urdf(
         warn(f"{name or chain.name}: {said}", RobotWarning)
     places = mesh_places(source.folder, solids.mesh_folders)
     urdf = UrdfGeometry(text, name or "URDF", base, places, solids.cylinder, solids.mesh)
-    return Definition("from_urdf", (text, base, tip), notes=tuple(notes), urdf=urdf), chain
+    arguments = (text, base, tip)
+    made = Definition("from_urdf", arguments, notes=tuple(notes), urdf=urdf, looks=urdf)
+    return made, chain
 
 
 def from_robot_file(path: Path) -> Definition:
