@@ -11,6 +11,7 @@ MODULE_OF = {
     "Branches": "result",
     "Family": "result",
     "IkResult": "result",
+    "JointPath": "robot",
     "Path": "robot",
     "Robot": "robot",
     "RobotFileError": "errors",
@@ -28,7 +29,7 @@ MODULE_OF = {
 }
 """Module that defines each public name."""
 
-MODULES = ("collision", "errors", "euler", "harvest", "rotations", "solvers", "tasks")
+MODULES = ("collision", "errors", "euler", "harvest", "motion", "rotations", "solvers", "tasks")
 """Modules that are public names themselves."""
 
 _PACKAGE = "agrik_fast"

@@ -28,10 +28,12 @@ from ._inverse import PREFERENCES as PREFERENCES
 from ._inverse import InverseKinematics
 from ._inverse import Prefer as Prefer
 from ._inverse import SceneOf as SceneOf
+from ._joint_path import JointPath
+from ._lines import Lines
 from ._motion_limits import MotionLimits
 from ._path import Path
 
-__all__ = ["DhRow", "Path", "Robot", "file_schema"]
+__all__ = ["DhRow", "JointPath", "Path", "Robot", "file_schema"]
 
 
 def file_schema() -> dict[str, Any]:
@@ -52,7 +54,7 @@ def file_schema() -> dict[str, Any]:
     return RobotFile.model_json_schema()
 
 
-class Robot(InverseKinematics, CollisionBodies, MotionLimits):
+class Robot(InverseKinematics, CollisionBodies, MotionLimits, Lines):
     """A serial arm: joints with limits, a base and a tool transform.
 
     Make one with `Robot.load`, `Robot.from_dh` or `Robot.from_urdf`. A robot never
