@@ -88,13 +88,14 @@ wheel: $(VENV)/.build ## the wheel for this platform, in target/wheels
 	rm -rf $(WHEELS)
 	$(PY) -m maturin build --release $(LOCKED) --interpreter $(PY) --out $(WHEELS)
 
-docs: build $(VENV)/.docs ## the documentation as HTML in docs/_build/html; a warning is an error
+docs: build $(VENV)/.docs ## the documentation as HTML in docs/_build/html; a warning or a dead link is an error
 	$(PY) -m sphinx -W --keep-going --quiet -b html docs docs/_build/html
+	$(PY) tools/check_site.py docs/_build/html
 	@echo 'docs/_build/html/index.html'
 
 clean: ## remove what the other targets made, the environments included
 	cargo clean
-	rm -rf firmware/build .venv .venv-* dist docs/_build docs/_generated examples/results benches/results
+	rm -rf firmware/build .venv .venv-* dist docs/_build docs/_generated docs/tutorials examples/results benches/results
 	rm -rf .mypy_cache .pytest_cache .ruff_cache .hypothesis
 	rm -f python/agrik_fast/_native*.so
 	find python tests examples benches docs tools -name __pycache__ -prune -exec rm -rf {} +

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import architecture_picture
 import elements
+import front_picture
 import hardware_pictures
 import matplotlib as mpl
 import numpy as np
@@ -218,6 +219,7 @@ def describe(name: str) -> str:
 def main(folder: Path) -> None:
     """Write everything into `folder`."""
     folder.mkdir(exist_ok=True)
+    front_picture.draw_front(folder / "front.png", save)
     draw_reach(folder / "reach.svg")
     draw_arm_angles(folder / "arm_angles.svg")
     draw_branches(folder / "branches.svg")

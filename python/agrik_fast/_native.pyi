@@ -340,6 +340,7 @@ class Chain:
         position_tolerance: ArrayLike | None = None,
         orientation_tolerance: ArrayLike | None = None,
         tolerance_frame: str | None = None,
+        max_change: ArrayLike | None = None,
         recipe: tuple[Any, ...] | None = None,
     ) -> TargetSolver:
         """Make a solver for one target at a time; see `agrik_fast.Robot.solver`."""
@@ -495,7 +496,7 @@ class TargetSolver:
             array of doubles is read without conversion.
         q0 : array_like, shape (n,), rad or m, optional
             Start values of the first attempt, for example the last `q`. Default: chosen
-            from the seed.
+            from the seed. With `max_change` where the arm stands; default: the last answer.
 
         Returns
         -------

@@ -122,3 +122,7 @@ class Status(IntEnum):
     UNSUPPORTED = 10
     """No method here finds the branches of such an arm; `Robot.family` says why
     (`Robot.ik_all` only)."""
+
+    HELD = 11
+    """Not reached in this tick: the posture goes to the target, or as near to it as the reach
+    allows, no faster than it may (`Robot.solver` with `max_change` or `rate_hz` only)."""

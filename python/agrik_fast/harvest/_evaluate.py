@@ -15,6 +15,7 @@ from .._checks import FloatArray, float_array, shown, truth_value
 from ..collision import Scene
 from ..errors import ArgumentError
 from ..robot import Robot
+from ._cutter import Cut, Cutter, cut_distances
 from ._decisions import Decisions, Status
 from ._plan import Blockers, checked_settings, named
 from ._settings import Distance, Settings
@@ -45,6 +46,8 @@ class Evaluation:
         where it was not asked for.
     along : ndarray, shape (n,), m
         How far along the row the vehicle stood for each target.
+    cut : Cut
+        Whether the cut goes through the stalk, with the usual `Cutter`.
     seconds : float
         Time that the decisions and the blockers took, s.
     """
@@ -56,6 +59,7 @@ class Evaluation:
     decisions: Decisions
     blockers: dict[str, Blockers | None]
     along: FloatArray
+    cut: Cut
     seconds: float
 
     @property
@@ -122,7 +126,10 @@ class Evaluation:
                     "tilt_deg": float(np.degrees(one.tilt)),
                     "shift_mm": 1e3 * one.shift,
                     "warnings": "; ".join(one.warnings),
+                    "cut_ok": bool(self.cut.ok[k]),
                 }
+                if np.isfinite(self.cut.distance[k]):
+                    record["cut_mm"] = 1e3 * float(self.cut.distance[k])
                 record |= {
                     name: float(value)
                     for name, value in zip(self.robot.joint_names, one.q, strict=True)
@@ -231,7 +238,9 @@ def evaluate(
             progress(min(first + RUN, len(order)), len(order))
     seconds = time.perf_counter() - start
     decisions = Decisions(chosen.names, _joined(parts, order))
-    return Evaluation(made.robot, crop, checked, distance, decisions, blocking, places[at], seconds)
+    along = places[at]
+    cut = cut_distances(made.robot, crop, decisions, along, Cutter())
+    return Evaluation(made.robot, crop, checked, distance, decisions, blocking, along, cut, seconds)
 
 
 def _places(stops: ArrayLike | None) -> FloatArray:

@@ -187,11 +187,13 @@ class InverseKinematics:
         position_tolerance: ArrayLike = 1e-6,
         orientation_tolerance: ArrayLike = 1e-6,
         tolerance_frame: Literal["base", "tool"] | None = None,
+        max_change: ArrayLike | None = None,
     ) -> TargetSolver:
         """Make a solver for one target at a time, for control loops.
 
         Options are read once; its `solve` gives, bit for bit, what `ik` gives for the same
-        target, and allocates nothing after the first call.
+        target, and allocates nothing after the first call. With `max_change` each call is a
+        tick of a loop instead: the posture goes on from the one before and never jumps.
 
         Parameters
         ----------
@@ -199,6 +201,12 @@ class InverseKinematics:
             What counts as reached, see `agrik_fast.tasks`.
         solver, seed, tool, position_tolerance, orientation_tolerance, tolerance_frame
             As for `ik`; step solvers only.
+        max_change : float or array_like, shape (n,), rad or m, optional
+            Largest change of each joint from call to call, above 0: from `q0` of the call, or
+            without it from the answer before. A target that is not reached within the bound has
+            the status ``HELD``: the posture goes to the nearest one that reaches it, or, out of
+            reach, that comes nearest to it, first by place, then by orientation. Without `q0`
+            the first call is free, as `ik` is.
 
         Returns
         -------
@@ -208,11 +216,26 @@ class InverseKinematics:
         Raises
         ------
         ArgumentError
-            As for `ik`.
+            As for `ik`; a `max_change` that is not above 0.
+
+        Examples
+        --------
+        A target that jumps by half a metre out of reach, and the arm that stretches towards it:
+
+        >>> from agrik_fast import Robot, Status
+        >>> arm = Robot.load("panda")
+        >>> q = arm.home + 0.2
+        >>> loop = arm.solver(max_change=0.01)
+        >>> target = arm.fk(q)
+        >>> target[:3, 3] += [1.0, 0.0, 0.0]
+        >>> loop.solve(target, q)
+        False
+        >>> Status(loop.status).name, bool(abs(loop.q - q).max() <= 0.01)
+        ('HELD', True)
         """
         tolerances = (position_tolerance, orientation_tolerance, tolerance_frame)
-        recipe = (_solver, (self, task, solver, seed, tool, *tolerances))
-        return self._chain.solver(task, solver, seed, tool, *tolerances, recipe)
+        recipe = (_solver, (self, task, solver, seed, tool, *tolerances, max_change))
+        return self._chain.solver(task, solver, seed, tool, *tolerances, max_change, recipe)
 
     def follow(
         self,
@@ -609,6 +632,7 @@ def _solver(
     position_tolerance: ArrayLike,
     orientation_tolerance: ArrayLike,
     tolerance_frame: Literal["base", "tool"] | None,
+    max_change: ArrayLike | None = None,
 ) -> TargetSolver:
     """Make a solver again, as its pickle says."""
     return robot.solver(
@@ -619,4 +643,5 @@ def _solver(
         position_tolerance=position_tolerance,
         orientation_tolerance=orientation_tolerance,
         tolerance_frame=tolerance_frame,
+        max_change=max_change,
     )

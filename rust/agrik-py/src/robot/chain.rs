@@ -257,7 +257,8 @@ impl Chain {
     #[pyo3(signature = (
         targets, task=None, solver=None, q0=None, seed=None, tool=None, threads=None,
         position_tolerance=None, orientation_tolerance=None, first_index=None,
-        tolerance_frame=None, collider=None, clear=None, prefer=None, invalid=None
+        tolerance_frame=None, collider=None, clear=None, prefer=None, invalid=None,
+        second_aim=None, nearest=None, joint_weights=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn ik(
@@ -278,6 +279,9 @@ impl Chain {
         clear: Option<&Bound<'_, PyAny>>,
         prefer: Option<&str>,
         invalid: Option<&str>,
+        second_aim: Option<&Bound<'_, PyAny>>,
+        nearest: Option<&Bound<'_, PyAny>>,
+        joint_weights: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<IkResult> {
         let given = Arguments {
             targets,
@@ -292,14 +296,16 @@ impl Chain {
             tolerance_frame,
             first_index,
             invalid,
+            second_aim,
         };
-        batch::solve(py, &self.0, &given, &guard::Given { collider, clear, prefer })
+        let guard = guard::Given { collider, clear, prefer };
+        batch::solve(py, &self.0, &given, &guard, (nearest, joint_weights))
     }
 
     /// Make a solver for one target at a time; see `agrik_fast.Robot.solver`.
     #[pyo3(signature = (
         task=None, solver=None, seed=None, tool=None, position_tolerance=None,
-        orientation_tolerance=None, tolerance_frame=None, recipe=None
+        orientation_tolerance=None, tolerance_frame=None, second_aim=None, max_change=None, recipe=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn solver(
@@ -312,6 +318,8 @@ impl Chain {
         position_tolerance: Option<&Bound<'_, PyAny>>,
         orientation_tolerance: Option<&Bound<'_, PyAny>>,
         tolerance_frame: Option<&Bound<'_, PyAny>>,
+        second_aim: Option<&Bound<'_, PyAny>>,
+        max_change: Option<&Bound<'_, PyAny>>,
         recipe: Option<Py<PyAny>>,
     ) -> PyResult<TargetSolver> {
         let none = py.None().into_bound(py);
@@ -328,9 +336,10 @@ impl Chain {
             tolerance_frame,
             first_index: None,
             invalid: None,
+            second_aim,
         };
         let options = Options::new(&self.0, &given, true)?;
-        TargetSolver::new(py, Arc::clone(&self.0), solver, options, recipe)
+        TargetSolver::new(py, Arc::clone(&self.0), solver, options, max_change, recipe)
     }
 
     /// Follow a sequence of targets; see `agrik_fast.Robot.follow`.
@@ -366,6 +375,7 @@ impl Chain {
             tolerance_frame,
             first_index: None,
             invalid: None,
+            second_aim: None,
         };
         let usual = PyFloat::new(py, 0.5).into_any();
         let along = Along { q0, max_joint_step, pull: pull.unwrap_or(&usual) };
@@ -398,6 +408,7 @@ impl Chain {
             tolerance_frame: None,
             first_index: None,
             invalid: None,
+            second_aim: None,
         };
         let costs = batch::cost_history(py, &self.0, &given)?;
         array(py, &[costs.len()], costs)
@@ -440,6 +451,7 @@ impl Chain {
             tolerance_frame,
             first_index: None,
             invalid,
+            second_aim: None,
         };
         batch::solve_all(py, &self.0, &given, &Wishes { arm_angle, locked, sweep, wrap })
     }
