@@ -7,7 +7,18 @@ with it the command line's help) costs next to nothing.
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from . import collision, errors, euler, harvest, plots, rotations, solvers, tasks, viewer
+    from . import (
+        collision,
+        errors,
+        euler,
+        harvest,
+        motion,
+        plots,
+        rotations,
+        solvers,
+        tasks,
+        viewer,
+    )
     from ._native import __version__, get_num_threads, set_num_threads, simd_level
     from .collision import Scene
     from .errors import (
@@ -46,6 +57,7 @@ __all__ = [
     "euler",
     "get_num_threads",
     "harvest",
+    "motion",
     "plots",
     "rotations",
     "set_num_threads",

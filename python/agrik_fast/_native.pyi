@@ -60,6 +60,49 @@ class JointSpec(TypedDict):
     link: NotRequired[str | None]
 
 @final
+class Motion:
+    """A motion along a way, from rest to rest within the limits of the joints.
+
+    Through waypoints, shape (n, dof), whose segments have `lengths`, shape (n - 1,): with
+    corners rounded by `blends`, shape (n,), or as one smooth curve where it is None; `limits`,
+    shape (3, dof), are those of velocity, acceleration and jerk, `speed` one along the way.
+    """
+
+    def __new__(
+        cls,
+        waypoints: ArrayLike,
+        lengths: ArrayLike,
+        blends: ArrayLike | None,
+        limits: ArrayLike,
+        speed: float,
+    ) -> Motion: ...
+    @property
+    def duration(self) -> float:
+        """Duration, s."""
+
+    @property
+    def length(self) -> float:
+        """Length of the way, in the measure of the segments' lengths."""
+
+    @property
+    def deviation(self) -> float:
+        """How far a rounded corner leaves its waypoint at most, in any joint value, rad or m."""
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """When the phases begin, and when the last one ends, shape (n + 1,), s."""
+
+    @property
+    def phases(self) -> NDArray[np.float64]:
+        """Place on the way and its derivatives by time at the begin of each phase, (n, 4)."""
+
+    def place(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Return the place on the way and its first three derivatives by time, shape (n, 4)."""
+
+    def at(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Return joint values, velocities, accelerations and jerks, shape (4, n, dof)."""
+
+@final
 class Chain:
     """A serial chain: geometry, limits, base and tool, compiled for the solvers."""
 

@@ -28,6 +28,8 @@ from ._inverse import PREFERENCES as PREFERENCES
 from ._inverse import InverseKinematics
 from ._inverse import Prefer as Prefer
 from ._inverse import SceneOf as SceneOf
+from ._joint_path import JointPath
+from ._lines import Lines
 from ._motion_limits import MotionLimits
 from ._path import Path
 from ._plot import COLOURS as COLOURS
@@ -36,7 +38,7 @@ from ._surfaces import LOOKS as LOOKS
 from ._surfaces import Look as Look
 from ._surfaces import Surface
 
-__all__ = ["DhRow", "Path", "Robot", "Surface", "file_schema"]
+__all__ = ["DhRow", "JointPath", "Path", "Robot", "Surface", "file_schema"]
 
 
 def file_schema() -> dict[str, Any]:
@@ -58,7 +60,7 @@ def file_schema() -> dict[str, Any]:
     return RobotFile.model_json_schema()
 
 
-class Robot(InverseKinematics, CollisionBodies, MotionLimits, Drawing):
+class Robot(InverseKinematics, CollisionBodies, MotionLimits, Lines, Drawing):
     """A serial arm: joints with limits, a base and a tool transform.
 
     Make one with `Robot.load`, `Robot.from_dh` or `Robot.from_urdf`. A robot never
