@@ -28,8 +28,26 @@ MODULE_OF = {
 }
 """Module that defines each public name."""
 
-MODULES = ("collision", "errors", "euler", "harvest", "rotations", "solvers", "tasks")
-"""Modules that are public names themselves."""
+MODULES = (
+    "arms",
+    "cluster",
+    "collision",
+    "drivers",
+    "errors",
+    "euler",
+    "harvest",
+    "io",
+    "jax",
+    "jobs",
+    "papers",
+    "rotations",
+    "solvers",
+    "tasks",
+    "torch",
+    "tune",
+    "tuning",
+)
+"""Modules that are names of the package without being imported first."""
 
 _PACKAGE = "agrik_fast"
 

@@ -1,5 +1,6 @@
 """Harvest postures: whether an arm can pick a fruit among leaves, and how."""
 
+from ._crops import CropsJob
 from ._decisions import Attempt, Decision, Decisions, Stage, Status
 from ._evaluate import Evaluation, evaluate
 from ._plan import Blockers, blockers, plan
@@ -13,6 +14,7 @@ __all__ = [
     "SCENES",
     "Attempt",
     "Blockers",
+    "CropsJob",
     "Decision",
     "Decisions",
     "Distance",

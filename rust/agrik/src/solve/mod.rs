@@ -10,6 +10,7 @@ mod plan;
 pub mod population;
 mod postures;
 mod rows;
+mod sensitivity;
 mod setup;
 mod start;
 mod step;
@@ -18,6 +19,7 @@ pub use climb::Climb;
 pub use engine::run;
 pub use follow::{Follow, Path};
 pub use plan::Plan;
+pub use sensitivity::{DH, Sensitivity, TWIST};
 pub use setup::Setup;
 pub use step::{
     GainUnits, Lengths, Matrix, Pace, Pid, PidOrder, Settings, StartRule, StateSpace, StaticGain,
