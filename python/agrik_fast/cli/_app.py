@@ -298,7 +298,7 @@ def convert(
 
 @app.command()
 def schema(
-    kind: Annotated[str, typer.Argument(help="robot or gains.")],
+    kind: Annotated[str, typer.Argument(help="robot, gains, scene or calibration.")],
 ) -> None:
     """Print the JSON Schema of a kind of file, for editors."""
     with exit_codes():
