@@ -5,6 +5,7 @@ PYTHON ?= python3
 VENV := .venv
 PY := $(VENV)/bin/python
 ORACLE := .venv-oracle
+GRADIENTS := .venv-gradients
 ROBOTS := .venv-robots
 WHEELS := target/wheels
 NATIVE := python/agrik_fast/_native.abi3.so
@@ -20,7 +21,7 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run test lint format bench callgrind aarch64 sanitize miri wheel docs clean build oracle \
-	firmware rigs rigs-full browser \
+	firmware rigs rigs-full browser gradients \
 	damaged fuzz-arms fuzz-sample robustness rust-lint rust-test python-lint python-test
 
 help: ## say what every target does
@@ -112,6 +113,11 @@ oracle: build wheel $(ORACLE)/.done ## compare with Pinocchio (URDFs of real rob
 	$(ORACLE)/bin/python -m pip install --quiet $(WHEELS)/*.whl
 	$(ORACLE)/bin/python -m pytest tests/oracle
 
+gradients: build wheel $(GRADIENTS)/.done ## tensors and gradients of torch and JAX, poses of spatialmath; heavy downloads, own environment
+	$(GRADIENTS)/bin/python -m pip uninstall --quiet --yes agrik_fast
+	$(GRADIENTS)/bin/python -m pip install --quiet $(WHEELS)/*.whl
+	$(GRADIENTS)/bin/python -m pytest tests/gradients
+
 # ---- the parts of `make test` ----------------------------------------------------------------
 
 # PyO3 asks an interpreter for its version, so the environment comes first.
@@ -139,6 +145,7 @@ python-test: build $(VENV)/.dev
 		echo "NOT CHECKED: firmware and rigs, for want of an AVR compiler (see make firmware)"
 	@command -v chromedriver >/dev/null || \
 		echo "NOT CHECKED: the viewer in a browser, for want of Chromium (see make browser)"
+	@echo "... NOT CHECKED: agrik_fast.torch and agrik_fast.jax, which make gradients tries"
 
 # ---- environments: a stamp file for each, so that a second call is quick ------------------------
 
@@ -168,6 +175,12 @@ $(ROBOTS)/.done: pyproject.toml
 	$(PYTHON) -m venv $(ROBOTS)
 	$(ROBOTS)/bin/python -m pip install --quiet --upgrade pip
 	$(ROBOTS)/bin/python -m pip install --quiet --no-deps --group oracle-data
+	@touch $@
+
+$(GRADIENTS)/.done: pyproject.toml
+	$(PYTHON) -m venv $(GRADIENTS)
+	$(GRADIENTS)/bin/python -m pip install --quiet --upgrade pip
+	$(GRADIENTS)/bin/python -m pip install --quiet --group gradients
 	@touch $@
 
 # Pinocchio pins libraries of its own; the two robot packages are wanted for their files alone.

@@ -7,6 +7,8 @@ with it the command line's help) costs next to nothing.
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from . import arms as arms
+    from . import cluster as cluster
     from . import (
         collision,
         errors,
@@ -19,6 +21,12 @@ if TYPE_CHECKING:
         tasks,
         viewer,
     )
+    from . import drivers as drivers
+    from . import io as io
+    from . import jobs as jobs
+    from . import papers as papers
+    from . import tune as tune
+    from . import tuning as tuning
     from ._native import __version__, get_num_threads, set_num_threads, simd_level
     from .collision import Scene
     from .errors import (

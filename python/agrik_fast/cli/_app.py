@@ -14,7 +14,7 @@ import typer
 from typer.core import TyperCommand
 
 from ..papers import PAPERS
-from . import _options
+from . import _harvest_options, _options
 from ._cluster_app import app as cluster_app
 from ._exits import NOT_ALL_SOLVED, exit_codes, run, say, telling
 
@@ -306,7 +306,7 @@ def convert(
 
 @app.command()
 def schema(
-    kind: Annotated[str, typer.Argument(help="robot or gains.")],
+    kind: Annotated[str, typer.Argument(help="robot, gains, scene or calibration.")],
 ) -> None:
     """Print the JSON Schema of a kind of file, for editors."""
     with exit_codes():
@@ -422,20 +422,14 @@ def harvest(
     robot: Annotated[
         str, typer.Option(help="An arm on a slide with bodies: a name, .toml or .urdf.")
     ] = "cucumber",
-    distance: Annotated[
-        str, typer.Option(help="exact, or tree: boxes as spheres, as in the paper.")
-    ] = "exact",
-    refine: Annotated[bool, typer.Option(help="Improve postures by a pattern search.")] = True,
-    recovery: Annotated[
-        bool, typer.Option(help="Go on after the best approach angle has failed.")
-    ] = True,
-    blockers: Annotated[bool, typer.Option(help="Name the leaves in the way.")] = True,
+    distance: _harvest_options.DistanceOption = "exact",
+    refine: _harvest_options.Refine = True,
+    recovery: _harvest_options.Recovery = True,
+    blockers: _harvest_options.BlockersOption = True,
     pictures: Annotated[bool, typer.Option(help="Draw pictures; needs Matplotlib.")] = True,
-    tilt_deg: Annotated[float, typer.Option(help="Tilt that the gripper tolerates, deg.")] = 0.0,
-    shift: Annotated[float, typer.Option(help="Shift along the fruit that it tolerates, m.")] = 0.0,
-    min_distance: Annotated[
-        float, typer.Option(help="Distance that postures keep from the crop, m.")
-    ] = 0.005,
+    tilt_deg: _harvest_options.Tilt = 0.0,
+    shift: _harvest_options.Shift = 0.0,
+    min_distance: _harvest_options.MinDistance = 0.005,
     threads: Annotated[
         int | None, typer.Option(min=1, help="Threads; by default all cores.")
     ] = None,
@@ -449,7 +443,7 @@ def harvest(
     picked, why not the rest, and which leaves block it.
     """
     with exit_codes() as kept:
-        from ._harvest import check_folder, evaluate, lines
+        from ._harvest import check_folder, evaluate, lines, settings_of
         from .progress import for_stream
 
         check_folder(output, force=force)
@@ -464,16 +458,19 @@ def harvest(
                 bar.advance(now - done)
                 done = now
 
+            settings = settings_of(
+                refine=refine,
+                recovery=recovery,
+                tilt_deg=tilt_deg,
+                shift=shift,
+                min_distance=min_distance,
+            )
             found = evaluate(
                 scene,
                 robot,
                 distance,
-                refine=refine,
-                recovery=recovery,
+                settings=settings,
                 blockers=blockers,
-                tilt_deg=tilt_deg,
-                shift=shift,
-                min_distance=min_distance,
                 threads=threads,
                 progress=advance,
             )

@@ -16,6 +16,7 @@ from .._bodies import (
 from ._clouds import Cloud, objects_of, read_cloud
 from ._content import Target
 from ._crop import fruit, leaf, pipe, row, stalk, stem, wire
+from ._files import file_schema
 from ._greenhouse import greenhouse, greenhouse_document
 from ._objects import SceneObject
 from ._pictures import draw_scene
@@ -41,6 +42,7 @@ __all__ = [
     "Target",
     "document_of",
     "draw_scene",
+    "file_schema",
     "from_document",
     "fruit",
     "greenhouse",

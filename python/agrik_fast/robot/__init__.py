@@ -23,6 +23,7 @@ from ._definition import (
     from_urdf,
     urdf_solids,
 )
+from ._degrees import warn_of_degrees
 from ._dh_rows import CONVENTIONS, DhRow, read_table
 from ._inverse import PREFERENCES as PREFERENCES
 from ._inverse import InverseKinematics
@@ -143,7 +144,7 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits, Lines, Drawing):
         Warns
         -----
         RobotWarning
-            Limits of a URDF, both 0, lock joints.
+            Limits of a URDF, both 0, lock joints; angles look like degrees.
 
         Examples
         --------
@@ -225,6 +226,11 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits, Lines, Drawing):
         UnknownNameError
             An unknown key, joint type or convention.
 
+        Warns
+        -----
+        RobotWarning
+            Angles look like degrees.
+
         Examples
         --------
         >>> from agrik_fast import Robot
@@ -235,13 +241,20 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits, Lines, Drawing):
         word("convention", convention, CONVENTIONS)
         text("name", name)
         table = read_table(rows, limits, joint_types, joint_names)
+        listing = table.listing()
+        warn_of_degrees(
+            name,
+            [(row.name, row.type, row.lower, row.upper) for row in listing],
+            [row.alpha for row in listing],
+            [row.theta for row in listing],
+        )
         definition = Definition(
             method="from_dh",
             arguments=(name, convention, *table),
             base=None if base is None else float_array("base", base).copy(),
             tool=None if tool is None else float_array("tool", tool).copy(),
             convention=convention,
-            dh=table.listing(),
+            dh=listing,
         )
         return cls(definition)
 
@@ -299,7 +312,7 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits, Lines, Drawing):
         Warns
         -----
         RobotWarning
-            Limits that are both 0 lock joints.
+            Limits that are both 0 lock joints; limits look like degrees.
 
         Examples
         --------

@@ -18,6 +18,7 @@ from .._checks import FloatArray, items, shown, word
 from .._files import listing
 from .._warnings import warn
 from ..errors import ArgumentError, RobotWarning, UrdfError
+from ._degrees import warn_of_degrees
 from ._dh_rows import DhRow, DhTable
 from ._sources import Source
 
@@ -155,6 +156,8 @@ def from_urdf(
         words = "joint" if len(locked) == 1 else "joints"
         said = f"{words} {listing(locked)} cannot move: both limits are 0"
         warn(f"{name or chain.name}: {said}", RobotWarning)
+    limits = zip(chain.joint_names, chain.joint_types, chain.lower, chain.upper, strict=True)
+    warn_of_degrees(name or chain.name, limits)
     places = mesh_places(source.folder, solids.mesh_folders)
     urdf = UrdfGeometry(text, name or "URDF", base, places, solids.cylinder, solids.mesh)
     arguments = (text, base, tip)
@@ -171,6 +174,13 @@ def from_robot_file(path: Path) -> Definition:
 
     content = read(path)
     method, arguments, dh = _dh(content) if content.dh else _joints(content)
+    rows = content.dh or content.joint
+    warn_of_degrees(
+        path.name,
+        [(row.name, row.type, *row.limits) for row in rows],
+        [row.alpha for row in dh or ()],
+        [row.theta for row in dh or ()],
+    )
     hand = content.end_effector
     return Definition(
         method=method,
