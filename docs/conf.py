@@ -1,6 +1,7 @@
 """Sphinx settings. `make docs` builds with -W: every warning is an error."""
 
 import importlib.metadata
+import re
 import sys
 from pathlib import Path
 
@@ -94,7 +95,6 @@ autoapi_generate_api_docs = False
 autoapi_add_toctree_entry = False
 autoapi_member_order = "bysource"
 autodoc_typehints = "signature"
-python_use_unqualified_type_names = True
 napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
@@ -111,6 +111,15 @@ def add_names_of_the_package(app):
             found[f"agrik_fast.{name}"] = found[f"agrik_fast.{module}.{name}"]
 
 
+def shorten(app, what, name, obj, options, signature, returned):
+    """Write types by their last names; an arm is made by `Robot.load` and its like alone."""
+    if name == "agrik_fast.Robot":
+        return "", None
+    return tuple(
+        re.sub(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])", "", text or "") for text in (signature, returned)
+    )
+
+
 def without_text(app, what, name, member, skip, options):
     """Leave out attributes that only repeat what the class docstring says of them."""
     return True if getattr(member, "docstring", None) == "" else None
@@ -120,5 +129,6 @@ def setup(app):
     app.connect("builder-inited", lambda app: generate.main(HERE / "_generated"))
     # After AutoAPI has read the sources.
     app.connect("builder-inited", add_names_of_the_package, priority=900)
+    app.connect("autodoc-process-signature", shorten)
     app.connect("autodoc-skip-member", without_text)
     app.connect("missing-reference", links.resolve)

@@ -20,7 +20,7 @@ import layout
 PAGES = layout.ROOT / "docs" / "api"
 STUB = layout.SOURCES / "_native.pyi"
 _DIRECTIVE = re.compile(
-    r"^\.\. autoapi(class|exception|function):: (\S+)\n((?:   :[^\n]*\n)*)", re.MULTILINE
+    r"^\.\. autoapi(class|exception|function|module):: (\S+)\n((?:   :[^\n]*\n)*)", re.MULTILINE
 )
 
 
@@ -50,12 +50,24 @@ def entries() -> Iterator[Entry]:
     """Yield all that the reference shows, page by page."""
     for page in sorted(PAGES.glob("*.md")):
         for kind, name, lines in _DIRECTIVE.findall(page.read_text("utf-8") + "\n"):
+            if kind == "module":
+                yield from _of_module(page.stem, name)
+                continue
             module, thing = _found(name)
             yield Entry(page.stem, name, module, _docstring(thing))
             if kind != "function":
                 for method in _methods(thing, lines):
                     doc = _docstring(inspect.getattr_static(thing, method), thing, method)
                     yield Entry(page.stem, f"{name}.{method}", module, doc)
+
+
+def _of_module(page: str, name: str) -> Iterator[Entry]:
+    """Yield the functions and classes of a module that is shown whole."""
+    module = importlib.import_module(name)
+    for public in module.__all__:
+        thing = getattr(module, public)
+        if inspect.isroutine(thing) or isinstance(thing, type):
+            yield Entry(page, f"{name}.{public}", module, _docstring(thing))
 
 
 def _found(name: str) -> tuple[ModuleType, Any]:

@@ -7,7 +7,7 @@ fields, so that it knows none of their classes.
 
 from collections.abc import Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, NotRequired, TypedDict, final, type_check_only
+from typing import Any, Literal, NotRequired, TypedDict, final, type_check_only
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -58,6 +58,49 @@ class JointSpec(TypedDict):
     upper: float
     mimic: tuple[str, float, float] | None
     link: NotRequired[str | None]
+
+@final
+class Motion:
+    """A motion along a way, from rest to rest within the limits of the joints.
+
+    Through waypoints, shape (n, dof), whose segments have `lengths`, shape (n - 1,): with
+    corners rounded by `blends`, shape (n,), or as one smooth curve where it is None; `limits`,
+    shape (3, dof), are those of velocity, acceleration and jerk, `speed` one along the way.
+    """
+
+    def __new__(
+        cls,
+        waypoints: ArrayLike,
+        lengths: ArrayLike,
+        blends: ArrayLike | None,
+        limits: ArrayLike,
+        speed: float,
+    ) -> Motion: ...
+    @property
+    def duration(self) -> float:
+        """Duration, s."""
+
+    @property
+    def length(self) -> float:
+        """Length of the way, in the measure of the segments' lengths."""
+
+    @property
+    def deviation(self) -> float:
+        """How far a rounded corner leaves its waypoint at most, in any joint value, rad or m."""
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """When the phases begin, and when the last one ends, shape (n + 1,), s."""
+
+    @property
+    def phases(self) -> NDArray[np.float64]:
+        """Place on the way and its derivatives by time at the begin of each phase, (n, 4)."""
+
+    def place(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Return the place on the way and its first three derivatives by time, shape (n, 4)."""
+
+    def at(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Return joint values, velocities, accelerations and jerks, shape (4, n, dof)."""
 
 @final
 class Chain:
@@ -596,6 +639,48 @@ class IkResult:
     def warnings(self) -> NDArray[np.uint8]:
         """Codes of `agrik_fast.Warnings`, shape (...); 0 for none."""
 
+    def jacobian_of_q(self, wrt: Literal["target", "dh"] = "target") -> NDArray[np.float64]:
+        """How the joint values follow their targets, or the numbers of the arm.
+
+        By the implicit function theorem at the answer: the joint values change so that the
+        error of the task stays zero. Of a redundant arm, and of tasks that leave something
+        free, it is the smallest change that does so (least squares over rad and m); near a
+        singularity directions that the arm cannot go are left out. Limits are not looked at.
+
+        Parameters
+        ----------
+        wrt : {"target", "dh"}, default "target"
+            By the target, or by the rows of an arm that was made from such.
+
+        Returns
+        -------
+        ndarray, shape (..., n, 6), (..., n, 3) or (..., n, rows, 4)
+            By a displacement of the target: of each joint value (rad, m) the derivatives by a
+            way along x, y, z (m), then by a turn about x, y, z (rad), in the base frame; for
+            targets that are points by the way alone. By rows: the derivatives by a, alpha, d
+            and theta (m, rad), in the order of `Robot.dh`. 0 for targets that were not
+            reached.
+
+        Raises
+        ------
+        ArgumentError
+            The result does not know its question, as one that was pickled; the task is
+            "position-first"; the arm has no DH rows.
+        UnknownNameError
+            Another word.
+
+        Examples
+        --------
+        >>> import agrik_fast as ik
+        >>> arm = ik.Robot.load("ur5")
+        >>> result = arm.ik(arm.fk([[0.1, -1.2, 1.3, 0.2, 0.9, 0.3]]))
+        >>> follows = result.jacobian_of_q()
+        >>> follows.shape
+        (1, 6, 6)
+        >>> bool(abs(arm.jacobian(result.q) @ follows - np.eye(6)).max() < 1e-9)
+        True
+        """
+
     def __len__(self) -> int:
         """Return the number of rows along the first dimension of the targets."""
 
@@ -643,6 +728,28 @@ class IkResult:
         3
         """
 
+    def plot(self, arm: Any = None) -> Any:
+        """Draw what became of the targets; needs the extra ``plots``.
+
+        Parameters
+        ----------
+        arm : Robot, optional
+            With the arm that was asked, its postures in space are drawn instead.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Targets by status, in words; position errors of those that were reached and of the
+            others; steps taken. Or the arm: the last posture in full, the others pale.
+
+        Raises
+        ------
+        ArgumentError
+            `arm` is no Robot, or has another number of joints.
+        MissingExtraError
+            Matplotlib is not installed.
+        """
+
     def __bool__(self) -> bool:
         """Return whether a single target was reached.
 
@@ -662,8 +769,12 @@ def ik_result(
     warnings: NDArray[np.uint8],
     clearance: NDArray[np.float64] | None = None,
     nearest_pair: NDArray[np.object_] | None = None,
+    like: IkResult | None = None,
 ) -> IkResult:
-    """Return the record of arrays that belong together, such as those of another record."""
+    """Return the record of arrays that belong together, such as those of another record.
+
+    With `like` it belongs to the same question, as some of its rows do.
+    """
 
 def branches(
     q: NDArray[np.float64],

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from os import PathLike
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
@@ -17,6 +17,11 @@ from ._content import TOUCH_RADIUS, Content, Pair, Target, checked_content
 from ._files import content_of, load, save, table_of
 from ._objects import SceneObject
 from ._queries import Queries
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..robot import Robot
 
 __all__ = ["Scene", "document_of", "from_document"]
 
@@ -254,6 +259,53 @@ class Scene(Queries):
 
     def _changed(self, **changes: Any) -> Scene:
         return _rebuilt(replace(self._content, **changes))
+
+    def plot(
+        self,
+        arm: Robot | None = None,
+        q: ArrayLike | None = None,
+        *,
+        skip: Iterable[str] = (),
+        view: tuple[float, float] = (22.0, -60.0),
+        axes: Any = None,
+    ) -> Figure:
+        """Draw the scene in space; needs the extra ``plots``.
+
+        Parameters
+        ----------
+        arm : Robot, optional
+            An arm that is drawn in it.
+        q : array_like, shape (..., n), rad or m, optional
+            Its posture, or postures as for `Robot.plot`; default its home.
+        skip : iterable of str, optional
+            Kinds of objects that are left out. Half-spaces have no end, and are never drawn.
+        view : (float, float), default (22, -60)
+            Elevation and azimuth that it is seen from, deg.
+        axes : Axes3D, optional
+            Where to draw; default: a new figure as wide as a page.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure, which belongs to no window; targets are stars.
+
+        Raises
+        ------
+        ArgumentError
+            A posture without an arm, or of a wrong shape.
+        MissingExtraError
+            Matplotlib is not installed.
+
+        Examples
+        --------
+        >>> from agrik_fast.collision import Sphere, SceneObject
+        >>> scene = Scene([SceneObject.of("berry", Sphere([0.3, 0, 0.5], 0.02), kind="fruit")])
+        >>> scene.plot().axes[0].get_zlabel()
+        'z [m]'
+        """
+        from ._pictures import plot
+
+        return plot(self, arm, q, skip, view, axes)
 
     # -- files -------------------------------------------------------------------------
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .._files import Refusal, listing, reading
 from ._columns import ColumnError, match_columns
+from ._extras import arrow_type
 from ._ids import check_text, checked
 from ._parquet import import_pyarrow
 from ._reader import CHUNK_BYTES, DEFAULT_CHUNK
@@ -231,6 +232,7 @@ class ResultTable:
                 ("iterations", pyarrow.int32()),
                 ("restarts", pyarrow.int32()),
                 *(zip(SCENE_COLUMNS, scene, strict=True) if layout.name_letters else ()),
+                *((name, arrow_type(pyarrow, kind)) for name, kind in layout.extras),
             ],
             metadata=metadata,
         )
@@ -266,4 +268,8 @@ class ResultTable:
         if scene is not None:
             clearance, *names = scene
             columns += [array(clearance), *(array(n.tolist()).dictionary_encode() for n in names)]
+        columns += [
+            array(chunk.extras[name], type=arrow_type(self._pyarrow, kind))
+            for name, kind in self._layout.extras
+        ]
         return self._pyarrow.Table.from_arrays(columns, schema=self.schema)

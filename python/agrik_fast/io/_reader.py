@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ._extras import Extra, joined
 from ._records import TargetChunk
 
 DEFAULT_CHUNK = 65_536
@@ -35,6 +36,8 @@ class TargetReader(abc.ABC):
         True if the row ids are text.
     ignored : tuple of str
         Columns or keys that were found and not used.
+    extras : tuple of Extra
+        Those of them that can be passed on to the results.
 
     Examples
     --------
@@ -49,6 +52,7 @@ class TargetReader(abc.ABC):
     count: int | None
     has_text_ids: bool = False
     ignored: tuple[str, ...] = ()
+    extras: tuple[Extra, ...] = ()
 
     @abc.abstractmethod
     def chunks(self, size: int = DEFAULT_CHUNK) -> Iterator[TargetChunk]:
@@ -82,4 +86,5 @@ class TargetReader(abc.ABC):
             0,
             np.concatenate([part.targets for part in parts]),
             np.concatenate([part.ids for part in parts]),
+            joined([part.extras for part in parts]),
         )

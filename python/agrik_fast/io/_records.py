@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..result import IkResult, Status
+from ._extras import Extra, Extras, joined
 
 STATUS_NAMES = tuple(status.name.lower() for status in Status)
 """Names of the statuses in files, in the order of their codes."""
@@ -43,6 +44,8 @@ class TargetChunk:
         Tool points or tool poses in the robot's base frame.
     ids : ndarray, shape (n,)
         Row ids of the file, as int64 or text; row numbers from 1 where the file has none.
+    extras : mapping of str to ndarray, shape (n,)
+        Columns that are passed on to the results.
 
     Examples
     --------
@@ -55,6 +58,7 @@ class TargetChunk:
     first: int
     targets: NDArray[np.float64]
     ids: NDArray[Any]
+    extras: Extras = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.targets)
@@ -74,6 +78,8 @@ class ResultLayout:
         How the results were made (robot, task, solver, seed, ...); kept in NPZ and Parquet.
     name_letters : int
         Letters of the longest name in the columns on a scene; 0 where there are none.
+    extras : tuple of Extra
+        Columns that are passed on from the targets, behind all others.
 
     Examples
     --------
@@ -87,12 +93,18 @@ class ResultLayout:
     text_ids: bool = False
     metadata: dict[str, str] = field(default_factory=dict)
     name_letters: int = 0
+    extras: tuple[Extra, ...] = ()
+
+    @property
+    def own_columns(self) -> tuple[str, ...]:
+        """Names of all columns that are not passed on, in order."""
+        scene = SCENE_COLUMNS if self.name_letters else ()
+        return ("id", *self.joint_columns, *FIXED_COLUMNS, *scene)
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of all columns, in order."""
-        scene = SCENE_COLUMNS if self.name_letters else ()
-        return ("id", *self.joint_columns, *FIXED_COLUMNS, *scene)
+        return (*self.own_columns, *(extra.name for extra in self.extras))
 
     @staticmethod
     def joint_names(names: Sequence[str], types: Sequence[str]) -> tuple[str, ...]:
@@ -161,6 +173,8 @@ class ResultChunk:
     iterations, restarts : ndarray, shape (n,)
     scene : SceneColumns or None
         What they are nearest to, of answers that were to keep clear of a scene.
+    extras : mapping of str to ndarray, shape (n,)
+        Columns that are passed on from the targets.
 
     Examples
     --------
@@ -181,9 +195,10 @@ class ResultChunk:
     iterations: NDArray[np.integer[Any]]
     restarts: NDArray[np.integer[Any]]
     scene: SceneColumns | None = None
+    extras: Extras = field(default_factory=dict)
 
     @classmethod
-    def of(cls, result: IkResult, ids: NDArray[Any]) -> ResultChunk:
+    def of(cls, result: IkResult, ids: NDArray[Any], extras: Extras | None = None) -> ResultChunk:
         """Return what the solver found for rows of these ids."""
         return cls(
             ids=ids,
@@ -195,6 +210,7 @@ class ResultChunk:
             iterations=result.iterations,
             restarts=result.restarts,
             scene=SceneColumns.of(result),
+            extras={} if extras is None else extras,
         )
 
     def __len__(self) -> int:
@@ -217,13 +233,16 @@ class ResultChunk:
         def whole(parts: Sequence[Any], name: str) -> NDArray[Any]:
             return np.concatenate([getattr(part, name) for part in parts])
 
-        names = [name for name in ResultChunk.__dataclass_fields__ if name != "scene"]
+        apart = ("scene", "extras")
+        names = [name for name in ResultChunk.__dataclass_fields__ if name not in apart]
         scenes = [chunk.scene for chunk in chunks if chunk.scene is not None]
         scene = None
         if scenes:
             fields = SceneColumns.__dataclass_fields__
             scene = SceneColumns(**{name: whole(scenes, name) for name in fields})
-        return ResultChunk(**{name: whole(chunks, name) for name in names}, scene=scene)
+        columns = {name: whole(chunks, name) for name in names}
+        extras = joined([chunk.extras for chunk in chunks])
+        return ResultChunk(**columns, scene=scene, extras=extras)
 
 
 def scene_columns(

@@ -48,6 +48,9 @@ def open_results(path: Path | str, layout: ResultLayout, *, force: bool = False)
       ``status_names``, ``success``, ``position_error_m``, ``orientation_error_rad``,
       ``iterations``, ``restarts``, ``metadata`` (JSON).
 
+    Columns that are passed on from the targets (`ResultLayout.extras`) stand behind these; NPZ
+    names them in ``extra_columns``.
+
     Parameters
     ----------
     path : path-like

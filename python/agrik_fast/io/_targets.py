@@ -31,6 +31,9 @@ def read_targets(path: Path | str) -> TargetReader:
       (n, 3) with at most one of ``quaternion_xyzw`` (n, 4), ``zyz_rad``, ``zyz_deg``,
       ``rpy_rad``, ``rpy_deg`` (n, 3); optionally ``id`` (n,). Entries are stored or deflated.
 
+    Other columns, and keys of as many rows, are read as well, to be passed on to results (of
+    Parquet and NPZ not those of lists and bytes).
+
     Refused are ids of more than 1000 letters, CSV rows of more than 1 MiB, and arrays and
     columns that unpack to more than 64 MiB and 500 times their size in the file.
 

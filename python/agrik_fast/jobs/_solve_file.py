@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from .._native import __version__
 from ..errors import ArgumentError
 from ..io import (
+    Extras,
     ResultChunk,
     ResultFileError,
     ResultLayout,
@@ -184,13 +185,20 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
         _metadata(request, robot, task_name),
         letters,
     )
+    # Of two columns of one name the result's own is kept.
+    taken = layout.own_columns
+    layout = replace(layout, extras=tuple(e for e in reader.extras if e.name not in taken))
+    passed_on = {extra.name for extra in layout.extras}
     work = Pipeline(reader.chunks(), _solver(robot, task, request))
     with open_results(request.output, layout, force=request.force) as writer, progress:
         progress.start(f"{robot.name}, {task_name} task", reader.count)
         for note in robot.notes:
             progress.note(note)
         if reader.ignored:
-            progress.note(f"not used: {', '.join(reader.ignored)}")
+            words = [
+                f"{name} (passed on)" if name in passed_on else name for name in reader.ignored
+            ]
+            progress.note(f"not used: {', '.join(words)}")
         waiting: list[ResultChunk] = []
         with contextlib.closing(work.pieces()) as pieces:
             for targets, piece in pieces:
@@ -211,7 +219,9 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
 
 
 def _solver(robot: Robot, task: JobTask, request: SolveRequest) -> Solve:
-    def solve(targets: NDArray[np.float64], first_index: int, ids: NDArray[Any]) -> ResultChunk:
+    def solve(
+        targets: NDArray[np.float64], first_index: int, ids: NDArray[Any], extras: Extras
+    ) -> ResultChunk:
         result = robot.ik(
             targets,
             task=task,
@@ -227,9 +237,11 @@ def _solver(robot: Robot, task: JobTask, request: SolveRequest) -> Solve:
             clear=request.clear,
             prefer=request.prefer,
         )
-        return ResultChunk.of(result, ids)
+        return ResultChunk.of(result, ids, extras)
 
-    def branches(targets: NDArray[np.float64], first_index: int, ids: NDArray[Any]) -> ResultChunk:
+    def branches(
+        targets: NDArray[np.float64], first_index: int, ids: NDArray[Any], extras: Extras
+    ) -> ResultChunk:
         found = robot.ik_all(
             targets,
             request.q0,
@@ -238,7 +250,7 @@ def _solver(robot: Robot, task: JobTask, request: SolveRequest) -> Solve:
             position_tolerance=request.position_tolerance,
             orientation_tolerance=request.orientation_tolerance,
         )
-        return as_rows(robot, task, targets, found, ids)
+        return as_rows(robot, task, targets, found, ids, extras)
 
     return branches if request.all_branches else solve
 

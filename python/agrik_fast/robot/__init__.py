@@ -23,15 +23,23 @@ from ._definition import (
     from_urdf,
     urdf_solids,
 )
+from ._degrees import warn_of_degrees
 from ._dh_rows import CONVENTIONS, DhRow, read_table
 from ._inverse import PREFERENCES as PREFERENCES
 from ._inverse import InverseKinematics
 from ._inverse import Prefer as Prefer
 from ._inverse import SceneOf as SceneOf
+from ._joint_path import JointPath
+from ._lines import Lines
 from ._motion_limits import MotionLimits
 from ._path import Path
+from ._plot import COLOURS as COLOURS
+from ._plot import Drawing
+from ._surfaces import LOOKS as LOOKS
+from ._surfaces import Look as Look
+from ._surfaces import Surface
 
-__all__ = ["DhRow", "Path", "Robot", "file_schema"]
+__all__ = ["DhRow", "JointPath", "Path", "Robot", "Surface", "file_schema"]
 
 
 def file_schema() -> dict[str, Any]:
@@ -53,7 +61,7 @@ def file_schema() -> dict[str, Any]:
     return RobotFile.model_json_schema()
 
 
-class Robot(InverseKinematics, CollisionBodies, MotionLimits):
+class Robot(InverseKinematics, CollisionBodies, MotionLimits, Lines, Drawing):
     """A serial arm: joints with limits, a base and a tool transform.
 
     Make one with `Robot.load`, `Robot.from_dh` or `Robot.from_urdf`. A robot never
@@ -136,7 +144,7 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
         Warns
         -----
         RobotWarning
-            Limits of a URDF, both 0, lock joints.
+            Limits of a URDF, both 0, lock joints; angles look like degrees.
 
         Examples
         --------
@@ -218,6 +226,11 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
         UnknownNameError
             An unknown key, joint type or convention.
 
+        Warns
+        -----
+        RobotWarning
+            Angles look like degrees.
+
         Examples
         --------
         >>> from agrik_fast import Robot
@@ -228,13 +241,20 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
         word("convention", convention, CONVENTIONS)
         text("name", name)
         table = read_table(rows, limits, joint_types, joint_names)
+        listing = table.listing()
+        warn_of_degrees(
+            name,
+            [(row.name, row.type, row.lower, row.upper) for row in listing],
+            [row.alpha for row in listing],
+            [row.theta for row in listing],
+        )
         definition = Definition(
             method="from_dh",
             arguments=(name, convention, *table),
             base=None if base is None else float_array("base", base).copy(),
             tool=None if tool is None else float_array("tool", tool).copy(),
             convention=convention,
-            dh=table.listing(),
+            dh=listing,
         )
         return cls(definition)
 
@@ -292,7 +312,7 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits):
         Warns
         -----
         RobotWarning
-            Limits that are both 0 lock joints.
+            Limits that are both 0 lock joints; limits look like degrees.
 
         Examples
         --------

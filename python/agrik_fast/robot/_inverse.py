@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from .._checks import FloatArray, float_array, truth_value, whole_number, word
 from .._stream import solve_ahead
 from ._path import Path
+from ._targets import Order, as_targets
 
 if TYPE_CHECKING:
     from .._native import Chain, Collider, TargetSolver
@@ -23,9 +24,10 @@ __all__ = ["InverseKinematics"]
 
 
 Prefer: TypeAlias = Literal["first", "near", "clearance"]
-Invalid: TypeAlias = Literal["mark", "raise", "straighten"]
-INVALID = ("mark", "raise", "straighten")
 """Which of several postures that are free of collisions."""
+Invalid: TypeAlias = Literal["mark", "raise", "straighten"]
+"""What becomes of poses that are no rigid transforms."""
+INVALID: tuple[Invalid, ...] = ("mark", "raise", "straighten")
 
 PREFERENCES: tuple[Prefer, ...] = ("first", "near", "clearance")
 """All of them."""
@@ -63,6 +65,7 @@ class InverseKinematics:
         clear: float = 0.0,
         prefer: Prefer = "first",
         invalid: Invalid = "mark",
+        order: Order | None = None,
     ) -> IkResult:
         """Inverse kinematics of a batch of targets.
 
@@ -73,8 +76,11 @@ class InverseKinematics:
 
         Parameters
         ----------
-        targets : array_like, shape (..., 4, 4) or (..., 3)
-            Poses of the tool, or positions of the tool point, in the base frame; m.
+        targets : array_like, shape (..., 4, 4), (..., 3) or (..., 7)
+            Poses of the tool, or positions of the tool point, in the base frame; m. Rows of
+            seven numbers are poses in an `order`. So are poses of SciPy (`RigidTransform`, or a
+            pair of places and `Rotation`), spatialmath and Pinocchio (`SE3`), one or a list, and
+            arrays of libraries with DLPack or ``__array__`` (torch, JAX) on the CPU.
         task : task or {"position", "pose", "axis"}, optional
             What counts as reached, see `agrik_fast.tasks`. Default: "pose" for shape
             (..., 4, 4), "position" for (..., 3).
@@ -125,6 +131,9 @@ class InverseKinematics:
             three or more decimals explains are straightened, with ``Warnings.STRAIGHTENED`` in
             ``warnings``; the others are ``Status.BAD_INPUT``. "straighten": also what is off by
             up to two per cent, as for `agrik_fast.rotations.straighten`. "raise": an error.
+        order : {"xyz_xyzw", "xyz_wxyz", "xyzw_xyz", "wxyz_xyz"}, optional
+            Order of the numbers of targets of shape (..., 7): place, m, and unit quaternion.
+            Those whose length is off by less than 0.001 (for "straighten" 0.02) are rounded.
 
         Returns
         -------
@@ -159,6 +168,8 @@ class InverseKinematics:
         ... )
         True
         """
+        if order is not None or type(targets) is not np.ndarray:
+            targets = as_targets(targets, order, word("invalid", invalid, INVALID))
         return self._chain.ik(
             targets,
             task,
@@ -250,6 +261,7 @@ class InverseKinematics:
         position_tolerance: ArrayLike = 1e-6,
         orientation_tolerance: ArrayLike = 1e-6,
         tolerance_frame: Literal["base", "tool"] | None = None,
+        order: Order | None = None,
     ) -> Path:
         """Follow a sequence of targets, every posture the continuation of the one before.
 
@@ -261,8 +273,9 @@ class InverseKinematics:
 
         Parameters
         ----------
-        targets : array_like, shape (n, 4, 4) or (n, 3)
-            Poses of the tool, or positions of the tool point, in order, base frame; m.
+        targets : array_like, shape (n, 4, 4), (n, 3) or (n, 7)
+            Poses of the tool, or positions of the tool point, one after the other, base frame;
+            m. Of any kind that `ik` takes.
         q0 : array_like, shape (dof,), rad or m, optional
             Where the arm stands before the first target, within the limits. Without it the
             first posture is free.
@@ -275,6 +288,8 @@ class InverseKinematics:
         pull : float, default 0.5
             Share of the way back to the posture before that each solver step goes in the
             null space of the task; 0 to 1.
+        order : str, optional
+            Of targets of shape (n, 7), as for `ik`.
 
         Returns
         -------
@@ -297,6 +312,8 @@ class InverseKinematics:
         >>> arm.follow(line, q, max_joint_step=0.05)
         Path(11 targets: 11 reached, 0 discontinuities)
         """
+        if order is not None or type(targets) is not np.ndarray:
+            targets = as_targets(targets, order, "mark")
         result, jumps = self._chain.follow(
             targets,
             max_joint_step,
@@ -393,6 +410,7 @@ class InverseKinematics:
         wrap: bool = False,
         task: Task | str | None = None,
         invalid: Invalid = "mark",
+        order: Order | None = None,
     ) -> Branches:
         """Every branch of the inverse kinematics: all real solutions of each target.
 
@@ -405,9 +423,9 @@ class InverseKinematics:
 
         Parameters
         ----------
-        targets : array_like, shape (..., 4, 4) or (..., 3)
+        targets : array_like, shape (..., 4, 4), (..., 3) or (..., 7)
             Poses of the tool in the base frame, or positions of the tool point where the
-            task is one; m.
+            task is one; m. Of any kind that `ik` takes.
         q0 : array_like, shape broadcastable to (..., n), rad, optional
             Of the values a whole turn apart that a joint's limits allow, the one nearest to
             this is returned, and angles that a singularity leaves open are taken from it.
@@ -442,6 +460,8 @@ class InverseKinematics:
             "position" for arms of three. Default: by the shape of the targets, as for `ik`.
         invalid : {"mark", "raise", "straighten"}, default "mark"
             As for `ik`.
+        order : str, optional
+            Of targets of shape (..., 7), as for `ik`.
 
         Returns
         -------
@@ -492,6 +512,8 @@ class InverseKinematics:
         >>> branches.q.shape
         (512, 7)
         """
+        if order is not None or type(targets) is not np.ndarray:
+            targets = as_targets(targets, order, word("invalid", invalid, INVALID))
         return self._chain.ik_all(
             targets,
             q0,
@@ -591,6 +613,7 @@ class InverseKinematics:
         clear: float = 0.0,
         prefer: Prefer = "first",
         invalid: Invalid = "mark",
+        order: Order | None = None,
     ) -> Iterator[IkResult]:
         """Inverse kinematics of a stream of chunks, for more targets than memory holds.
 
@@ -600,9 +623,9 @@ class InverseKinematics:
 
         Parameters
         ----------
-        chunks : iterable of array_like, each of shape (..., 4, 4) or (..., 3)
+        chunks : iterable of array_like, each of shape (..., 4, 4), (..., 3) or (..., 7)
             Targets as for `ik`; some tens of thousands in a chunk keep all cores busy.
-        task, solver, seed, tool, threads, scene, clear, prefer, invalid : optional
+        task, solver, seed, tool, threads, scene, clear, prefer, invalid, order : optional
             As for `ik`, the same for all chunks.
         position_tolerance, orientation_tolerance, tolerance_frame : optional
             As for `ik`, the same for all chunks.
@@ -648,6 +671,7 @@ class InverseKinematics:
                 clear=clear,
                 prefer=prefer,
                 invalid=invalid,
+                order=order,
             )
 
         return solve_ahead(chunks, solve, first_index)
