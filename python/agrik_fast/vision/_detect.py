@@ -37,6 +37,9 @@ _ROUND, _LONGEST = 1.05, 1.7
 _BETTER = 0.6
 # A circle with less red inside is the edge of something that lies before a fruit.
 _LEAST_FILL = 0.3
+# A fruit whose outline is less than half of its blob's is one of a cluster, and then all red:
+# a photograph's ragged shapes hold circles that are neither.
+_OWN_OUTLINE, _ALL_RED = 0.5, 0.85
 
 
 class DetectionStatus(IntEnum):
@@ -301,8 +304,14 @@ class Detector:
         score = cover * share
         status = DetectionStatus.WEAK
         if edge and self._at_border(cone.axis, alpha):
-            status = DetectionStatus.EDGE
-        elif cover >= self.least_cover and fill >= self.least_fill and score >= self.least_score:
+            sound = score >= self.least_score and fill >= self.least_fill
+            status = DetectionStatus.EDGE if sound else DetectionStatus.WEAK
+        elif (
+            cover >= self.least_cover
+            and fill >= self.least_fill
+            and score >= self.least_score
+            and (float(on.mean()) >= _OWN_OUTLINE or fill >= _ALL_RED)
+        ):
             status = DetectionStatus.OK
         return Detection(
             status,

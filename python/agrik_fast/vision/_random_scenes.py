@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -153,7 +154,8 @@ def _green(camera: Camera, rng: np.random.Generator) -> Fruit:
 def _cluster(camera: Camera, rng: np.random.Generator) -> list[Fruit]:
     """Return two to four ripe fruits that touch, and at times a green one.
 
-    Each is more than half in view: of a fruit that shows less, no outline can be told.
+    Each is more than half in view, and no centre is behind another: of a fruit that shows less
+    there is too little outline.
     """
     while True:
         count = int(rng.integers(2, 5))
@@ -176,8 +178,10 @@ def _cluster(camera: Camera, rng: np.random.Generator) -> list[Fruit]:
             )
             if inside and apart and centre[2] > 0.2:
                 fruits.append(Fruit(tuple(centre.tolist()), radius))
-        if len(fruits) == count and all(
-            share_in_view(each, fruits, camera) > 0.55 for each in fruits
+        if (
+            len(fruits) == count
+            and all(share_in_view(each, fruits, camera) > 0.55 for each in fruits)
+            and all(_apart(one, other) for one, other in combinations(fruits, 2))
         ):
             break
     if rng.random() < 0.5:
@@ -191,6 +195,13 @@ def _cluster(camera: Camera, rng: np.random.Generator) -> list[Fruit]:
         if gap > 0.03:
             fruits.append(green)
     return fruits
+
+
+def _apart(one: Fruit, other: Fruit) -> bool:
+    """Whether neither's centre is seen inside the other."""
+    angle = math.acos(np.clip(np.dot(_unit(one.centre), _unit(other.centre)), -1, 1))
+    wider = max(math.asin(each.radius / math.dist(each.centre, (0, 0, 0))) for each in (one, other))
+    return angle > wider
 
 
 def share_in_view(fruit: Fruit, fruits: list[Fruit], camera: Camera) -> float:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +18,7 @@ from ..errors import ArgumentError
 from ._camera import Camera
 from ._cv import opencv
 from ._images import Image
-from ._scenes import Fruit, Leaf, Scene, Wall, across, cone_rays, leaf_hits, paper_camera
+from ._scenes import Fruit, Leaf, Look, Scene, Wall, across, cone_rays, leaf_hits, paper_camera
 
 __all__ = ["FruitTruth", "Rendering", "render"]
 
@@ -107,9 +108,14 @@ class _Canvas:
         self.origin, self.turn = pose[:3, 3], pose[:3, :3]
         self.rays = camera.grid_rays(_SAMPLES)
         shape = self.rays.shape[:2]
-        self.far: FloatArray = np.full(shape, np.inf)
         self.label: NDArray[np.int32] = np.full(shape, BACKGROUND_LABEL, np.int32)
-        self.colour = np.zeros((*shape, 3), np.float32)
+        if scene.wall is None:
+            self.far: FloatArray = np.full(shape, np.inf)
+            self.colour = np.zeros((*shape, 3), np.float32)
+        else:
+            far, colour = _background(scene.wall, scene.look, scene.seed, camera, pose.tobytes())
+            self.far, self.colour = far.copy(), colour.copy()
+            self.label[np.isfinite(far)] = len(scene.fruits) + len(scene.leaves)
         self.texture = _Texture(scene.seed)
 
     def window(self, centre: FloatArray, radius: float) -> tuple[slice, slice] | None:
@@ -216,20 +222,25 @@ class _Canvas:
         normals = np.where((rays @ normal > 0)[:, None], -normal, normal)
         self.put(window, hit, far, number, self.shade(albedo, normals, rays))
 
-    def wall(self, number: int, wall: Wall) -> None:
-        window = slice(0, self.far.shape[0]), slice(0, self.far.shape[1])
-        normal = np.array(wall.normal)
-        rays = self.rays @ self.turn.T
-        slope = rays @ normal
-        with np.errstate(divide="ignore", invalid="ignore"):
-            far = ((np.array(wall.point) - self.origin) @ normal) / slope
-        hit = (far > 1e-6) & (far < self.far)
-        rays, far = rays[hit], far[hit]
-        points = self.origin + far[:, None] * rays
-        colours = np.array(wall.colour, np.float32)
-        albedo = colours * (1 + _WALL_TEXTURE * self.texture(points))[:, None]
-        normals = np.broadcast_to(normal, points.shape)
-        self.put(window, hit, far, number, self.shade(albedo, normals, rays))
+
+@lru_cache(maxsize=3)
+def _background(
+    wall: Wall, look: Look, seed: int, camera: Camera, place: bytes
+) -> tuple[FloatArray, NDArray[np.float32]]:
+    """Return how far a wall is along every ray, and its colours: the same while a camera rests."""
+    canvas = _Canvas(
+        Scene(wall=None, look=look, seed=seed), camera, np.frombuffer(place).reshape(4, 4)
+    )
+    normal = np.array(wall.normal)
+    rays = canvas.rays @ canvas.turn.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        far = ((np.array(wall.point) - canvas.origin) @ normal) / (rays @ normal)
+    hit = far > 1e-6
+    points = canvas.origin + far[hit][:, None] * rays[hit]
+    colours = np.array(wall.colour, np.float32)
+    albedo = colours * (1 + _WALL_TEXTURE * canvas.texture(points))[:, None]
+    canvas.colour[hit] = canvas.shade(albedo, np.broadcast_to(normal, points.shape), rays[hit])
+    return np.where(hit, far, np.inf), canvas.colour
 
 
 def ellipsoid_hits(
@@ -304,8 +315,6 @@ def render(
     for number, leaf in enumerate(scene.leaves, len(names)):
         canvas.leaf(number, leaf)
     names += [f"leaf{i}" for i in range(len(scene.leaves))]
-    if scene.wall is not None:
-        canvas.wall(len(names), scene.wall)
     names.append("wall")
     depth, labels = _centres(canvas)
     return Rendering(
