@@ -4,10 +4,11 @@ Needs OpenCV (extra ``vision``). Pictures are uint8 arrays in the order blue, gr
 is any iterator of (time, picture). ``docs/vision.md`` says what was measured, and on what.
 """
 
-from ._camera import Camera
+from ._camera import Camera, looking_at
 from ._cone import Cone, cone_of_outline
 from ._detect import Detection, DetectionStatus, Detector, red_mask
 from ._errors import CalibrationRefusedError, CameraError, VisionFileError
+from ._images import Image
 from ._pictures import DETECTION_COLUMNS, annotated, detection_row, write_image
 from ._plane import Plane, red_squares
 from ._random_scenes import KINDS, random_scene
@@ -32,6 +33,7 @@ __all__ = [
     "Frame",
     "Fruit",
     "FruitTruth",
+    "Image",
     "Leaf",
     "Look",
     "Plane",
@@ -49,6 +51,7 @@ __all__ = [
     "files",
     "folder",
     "folder_images",
+    "looking_at",
     "paper_camera",
     "random_scene",
     "range_sigma",

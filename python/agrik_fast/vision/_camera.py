@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, finite_array, float_array, real_number, whole_number
+from .._checks import FloatArray, direction, finite_array, float_array, real_number, whole_number
 from .._checks import path as checked_path
 from ..errors import ArgumentError
 from ._errors import VisionFileError
 from ._images import SMALLEST
 
-__all__ = ["Camera"]
+__all__ = ["Camera", "looking_at"]
 
 _ROUNDS = 12
 _KEYS = ("width", "height", "fx", "fy", "cx", "cy")
@@ -255,6 +255,35 @@ class Camera:
             Read only: kept for the next call.
         """
         return _grid_rays(self, whole_number("samples", samples, 1, 8))
+
+
+def looking_at(
+    position: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)
+) -> FloatArray:
+    """Return the pose of a camera that looks at a point, shape (4, 4).
+
+    Parameters
+    ----------
+    position, target : array_like, shape (3,), m
+        Where it stands, and what is in the middle of its picture.
+    up : array_like, shape (3,)
+        What is upwards in its picture, as far as that can be.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import looking_at
+    >>> looking_at([0, 0, 0], [1, 0, 0])[:3, 2].round(9).tolist()
+    [1.0, 0.0, 0.0]
+    """
+    place = finite_array("position", position, (3,))
+    forward = np.array(direction("target", finite_array("target", target, (3,)) - place))
+    right = np.cross(forward, direction("up", up))
+    if np.linalg.norm(right) < 1e-9:
+        raise ArgumentError("up", str(up), "no multiple of the direction of view")
+    right /= np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3] = np.stack([right, np.cross(forward, right), forward, place], axis=1)
+    return pose
 
 
 @lru_cache(maxsize=6)

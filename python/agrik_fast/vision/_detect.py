@@ -213,6 +213,29 @@ class Detector:
         same_size("image", image, self.camera.width, self.camera.height)
         return self.in_mask(red_mask(image))
 
+    def bias(self, image: Image, radius: float, distance: float) -> float:
+        """Return the `edge_bias_px` by which a measured ball comes out at its distance.
+
+        Parameters
+        ----------
+        image : ndarray, shape (height, width, 3), uint8
+            A picture of one ball.
+        radius, distance : float, m
+            Its radius, and how far its centre is.
+
+        Raises
+        ------
+        ArgumentError
+            The picture does not show exactly one round fruit that is ok.
+        """
+        radius = real_number("radius", radius, 0, open_low=True, unit="m")
+        distance = real_number("distance", distance, radius, open_low=True, unit="m")
+        sure = [each for each in self.detect(image) if each.status == DetectionStatus.OK]
+        if len(sure) != 1:
+            raise ArgumentError("image", f"{len(sure)} fruits that are ok", "one measured ball")
+        off = math.asin(radius / distance) - sure[0].alpha
+        return self.edge_bias_px + off * self.camera.focal
+
     def in_mask(self, mask: NDArray[np.uint8]) -> list[Detection]:
         """Return the round fruits of a mask: one of your own, whatever colour it stands for.
 

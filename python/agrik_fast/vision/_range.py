@@ -19,7 +19,8 @@ __all__ = ["Budget", "StandOff", "budget", "range_sigma", "stand_off"]
 
 LEAST_GAP = 0.010
 APPROACH_GAP = 0.040
-_PIXEL_SIGMA = 0.35
+# Of an outline's radius, as renders show it once its constant bias is taken out.
+_PIXEL_SIGMA = 0.15
 
 
 def range_sigma(
@@ -40,7 +41,7 @@ def range_sigma(
         What was seen.
     radius, radius_sigma : float, m
         The fruit's radius, and its standard deviation.
-    pixel_sigma : float, default 0.35, pixels
+    pixel_sigma : float, default 0.15, pixels
         Of the outline's radius.
 
     Examples
