@@ -575,14 +575,53 @@ def paper(
 
 
 @app.command()
+def detect(
+    images: Annotated[list[Path], typer.Argument(help="Pictures, or folders of them.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
+    calibration: Annotated[
+        Path | None,
+        typer.Option("--calibration", help="The camera's file (.json); for pictures of its size."),
+    ] = None,
+    view_deg: Annotated[
+        float,
+        typer.Option(
+            help="Without a calibration: how wide the camera sees, degrees.", min=1, max=170
+        ),
+    ] = 60.0,
+    radius_mm: Annotated[
+        float | None, typer.Option(help="The fruits' radius, mm: places then are in the table.")
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Write into a folder that holds files.")
+    ] = False,
+) -> None:
+    """Find ripe tomatoes in pictures, draw them and write a table.
+
+    Writes detections.csv (one row a fruit: status, place and half angle; not_found for a picture
+    without any) and every picture with what was found. Only status ok is fit to be approached.
+    Needs the extra `vision`.
+    """
+    with exit_codes() as kept:
+        from ._detect import DetectRequest
+        from ._detect import detect as look
+
+        kept.what = lambda: f"pictures that were finished are in {output}"
+        request = DetectRequest(images, output, calibration, view_deg, radius_mm, force)
+        files = look(request, say)
+        with telling(f"files: {output}"):
+            for file in files:
+                typer.echo(str(file))
+
+
+@app.command()
 def drive(
     rig: Annotated[str, typer.Argument(help="strawberry or tomato.")],
     targets: Annotated[
-        Path,
+        Path | None,
         typer.Option(
             help="Points: .csv, .npy, .npz or .parquet; columns x,y,z without a unit are mm."
         ),
-    ],
+    ] = None,
     port: Annotated[
         str,
         typer.Option(
@@ -610,16 +649,60 @@ def drive(
     log: Annotated[
         Path | None, typer.Option(help="File that every frame on the line is written to.")
     ] = None,
+    camera: Annotated[
+        str | None,
+        typer.Option(
+            help="Tomato, instead of --targets: a camera that finds them. simulated (the renderer, "
+            "with --port simulated), the number of a device, a video, or a folder of pictures."
+        ),
+    ] = None,
+    camera_calibration: Annotated[
+        Path | None, typer.Option(help="The camera's file (.json), as `vision.Camera.save` writes.")
+    ] = None,
+    camera_pose: Annotated[
+        Path | None,
+        typer.Option(help="The camera's pose in the arm's frame: .json, a matrix of 4 x 4, m."),
+    ] = None,
+    radius_mm: Annotated[float, typer.Option(help="With --camera: the fruits' radius.")] = 30.0,
+    radius_sigma_mm: Annotated[
+        float, typer.Option(help="Its standard deviation: the gap before the fruit grows with it.")
+    ] = 0.0,
+    seconds: Annotated[
+        float | None, typer.Option(help="With --camera: how long; until Ctrl-C by default.")
+    ] = None,
 ) -> None:
-    """Drive the strawberry or the tomato rig from target to target.
+    """Drive the strawberry or the tomato rig from target to target, or to what a camera sees.
 
-    A table shows where it is. Ctrl-C stops the motors first. At the first target that cannot be
+    A table shows where it is; with a camera, the numbers of the last picture. Ctrl-C stops the motors first. At the first target that cannot be
     driven to the motors stop, and the rest of the list is named. Needs the extra `drivers`, and
     for the simulated rig a checkout with `make firmware`.
     """
     with exit_codes() as kept:
-        from ._drive import DriveRequest, Row, count, drive_words
+        from ._drive import DriveRequest, Row, count, drive_words, one_of
 
+        one_of(targets, camera)
+        if camera is not None:
+            from ._point import PointRequest, Summary, point, said
+
+            summary = Summary()
+            kept.what = lambda: f"servos hold or are off; {said(summary)}"
+            pointing = PointRequest(
+                rig,
+                port,
+                camera,
+                calibration,
+                camera_calibration,
+                camera_pose,
+                radius_mm / 1000,
+                radius_sigma_mm / 1000,
+                seconds,
+                log,
+            )
+            point(pointing, summary)
+            with telling():
+                typer.echo(said(summary))
+            return
+        assert targets is not None
         rows: list[Row] = []
         kept.what = lambda: f"motors are stopped; {count(rows)}" if rows else "nothing has moved"
         request = DriveRequest(
