@@ -60,7 +60,7 @@ def simulated_rigs() -> bool:
     try:
         Simulator().close()
     except SimulatorError as error:
-        print(f"NOT RUN: the tutorial of the simulated rig ({error})")
+        print(f"NOT CHECKED: the tutorial of the simulated rig ({error})")
         return False
     return True
 
