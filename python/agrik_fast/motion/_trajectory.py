@@ -110,6 +110,12 @@ class Trajectory:
         return self._motion.deviation
 
     @property
+    def acceleration_limits(self) -> FloatArray:
+        """Limits of the joints' acceleration that hold, shape (dof,), rad/s^2 or m/s^2."""
+        limits: FloatArray = self._recipe["limits"][1].copy()
+        return limits
+
+    @property
     def phase_times(self) -> FloatArray:
         """When the jerk along the way changes, shape (n,), s: begin and end among them."""
         return self._motion.times

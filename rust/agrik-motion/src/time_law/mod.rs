@@ -61,10 +61,16 @@ impl Motion {
         let mut times = Vec::with_capacity(phases.len() + 1);
         times.push(0.0);
         let mut time = 0.0;
-        for phase in &phases {
-            time += phase.duration;
-            times.push(time);
-        }
+        phases.retain(|phase| {
+            let end = time + phase.duration;
+            // A phase too short for the clock of a long motion is none.
+            let lasts = end > time;
+            if lasts {
+                time = end;
+                times.push(time);
+            }
+            lasts
+        });
         if !time.is_finite() {
             let expected = "limits and lengths of like sizes";
             return Err(Error::argument("limits", expected, "a motion that does not end"));

@@ -3,6 +3,9 @@
 
 use super::caps::Caps;
 
+/// Phases shorter than this share of their stretch are what rounding left.
+const ROUNDING: f64 = 1e-13;
+
 /// A phase of constant jerk, from the state that it begins in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Phase {
@@ -59,7 +62,7 @@ impl Ramp {
         let mut at = [start, self.from, if self.outer > 0.0 { 0.0 } else { top }, 0.0];
         let flat = self.time - 2.0 * self.outer;
         for (duration, jerk) in [(self.outer, jerk), (flat, 0.0), (self.outer, -jerk)] {
-            if duration > 0.0 {
+            if duration > ROUNDING * self.time {
                 at[3] = jerk;
                 let phase = Phase { duration, at };
                 at = phase.state(duration);
@@ -118,7 +121,7 @@ impl Profile {
     pub fn phases(&self, start: f64, out: &mut Vec<Phase>) {
         self.up.phases(start, out);
         let behind = start + self.up.way();
-        if self.even > 0.0 {
+        if self.even > ROUNDING * self.time() {
             out.push(Phase { duration: self.even, at: [behind, self.up.to, 0.0, 0.0] });
         }
         self.down.phases(behind + self.even * self.up.to, out);
