@@ -192,12 +192,15 @@ def _of_motion(case: Case, trajectory: Trajectory, fine: float) -> _Intervals:
         expected = f"one of the joints {', '.join(case.arm.joint_names)}"
         raise ArgumentError("path", "a motion of other joints", expected)
     count = _FIRST
+    limits = trajectory.acceleration_limits
+    # Only joints that do not move have none.
+    most = np.where(np.isfinite(limits), limits, 0.0)
     while True:
         half = 0.5 * trajectory.duration / count
         times = (2 * np.arange(count) + 1) * half
         middles, velocities, _ = trajectory.at(times)
         # No joint gets faster by more than its acceleration's limit times the half width.
-        reach = np.abs(velocities) * half + 0.5 * trajectory.acceleration_limits * half**2
+        reach = np.abs(velocities) * half + 0.5 * most * half**2
         moved = float(case.motion(middles, reach).max(initial=0.0))
         if moved <= fine:
             return middles, reach, np.zeros(count, dtype=np.int64)

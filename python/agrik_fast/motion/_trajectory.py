@@ -32,10 +32,10 @@ class Trajectory:
     --------
     >>> import agrik_fast as ik
     >>> from agrik_fast import motion
-    >>> arm = ik.Robot.load("panda")
+    >>> arm = ik.Robot.load("ur5")
     >>> q = arm.home
     >>> trajectory = motion.time_law(arm, [q, q + 0.2, q])
-    >>> trajectory.positions.shape == (len(trajectory), 7)
+    >>> trajectory.positions.shape == (len(trajectory), 6)
     True
     >>> trajectory.velocities[-1].any()
     np.False_
