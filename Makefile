@@ -5,6 +5,7 @@ PYTHON ?= python3
 VENV := .venv
 PY := $(VENV)/bin/python
 ORACLE := .venv-oracle
+GRADIENTS := .venv-gradients
 ROBOTS := .venv-robots
 WHEELS := target/wheels
 NATIVE := python/agrik_fast/_native.abi3.so
@@ -20,7 +21,7 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run test lint format bench callgrind aarch64 sanitize miri wheel docs clean build oracle \
-	firmware rigs rigs-full \
+	firmware rigs rigs-full browser gradients \
 	damaged fuzz-arms fuzz-sample robustness rust-lint rust-test python-lint python-test
 
 help: ## say what every target does
@@ -72,6 +73,10 @@ rigs-full: build $(VENV)/.dev firmware ## an hour of simulated work and faults o
 	PYTHONPATH=tests $(PY) tests/rigs_soak.py --minutes 60
 	$(PY) -m pytest tests/drivers/test_link.py --requests 5000 --timeout 900
 
+browser: build $(VENV)/.dev ## the viewer in Chromium (sets itself up on Debian as root)
+	.ci/browser
+	AGRIK_BROWSER=1 $(PY) -m pytest -m browser
+
 damaged: build $(VENV)/.dev ## 2,000 damaged files: no traceback, < 500 MB, < 5 s each
 	$(PY) tests/io/damaged_files.py --files 2000
 
@@ -108,6 +113,11 @@ oracle: build wheel $(ORACLE)/.done ## compare with Pinocchio (URDFs of real rob
 	$(ORACLE)/bin/python -m pip install --quiet $(WHEELS)/*.whl
 	$(ORACLE)/bin/python -m pytest tests/oracle
 
+gradients: build wheel $(GRADIENTS)/.done ## tensors and gradients of torch and JAX, poses of spatialmath; heavy downloads, own environment
+	$(GRADIENTS)/bin/python -m pip uninstall --quiet --yes agrik_fast
+	$(GRADIENTS)/bin/python -m pip install --quiet $(WHEELS)/*.whl
+	$(GRADIENTS)/bin/python -m pytest tests/gradients
+
 # ---- the parts of `make test` ----------------------------------------------------------------
 
 # PyO3 asks an interpreter for its version, so the environment comes first.
@@ -133,6 +143,9 @@ python-test: build $(VENV)/.dev
 	$(PY) -m pytest $(if $(MARK),-m '$(MARK)')
 	@command -v avr-gcc >/dev/null || \
 		echo "NOT CHECKED: firmware and rigs, for want of an AVR compiler (see make firmware)"
+	@command -v chromedriver >/dev/null || \
+		echo "NOT CHECKED: the viewer in a browser, for want of Chromium (see make browser)"
+	@echo "... NOT CHECKED: agrik_fast.torch and agrik_fast.jax, which make gradients tries"
 
 # ---- environments: a stamp file for each, so that a second call is quick ------------------------
 
@@ -162,6 +175,12 @@ $(ROBOTS)/.done: pyproject.toml
 	$(PYTHON) -m venv $(ROBOTS)
 	$(ROBOTS)/bin/python -m pip install --quiet --upgrade pip
 	$(ROBOTS)/bin/python -m pip install --quiet --no-deps --group oracle-data
+	@touch $@
+
+$(GRADIENTS)/.done: pyproject.toml
+	$(PYTHON) -m venv $(GRADIENTS)
+	$(GRADIENTS)/bin/python -m pip install --quiet --upgrade pip
+	$(GRADIENTS)/bin/python -m pip install --quiet --group gradients
 	@touch $@
 
 # Pinocchio pins libraries of its own; the two robot packages are wanted for their files alone.

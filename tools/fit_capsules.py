@@ -9,7 +9,10 @@ the meshes is measured from points on both.
 
 import argparse
 import sys
+from contextlib import suppress
+from itertools import combinations
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 import trimesh
@@ -18,9 +21,15 @@ from scipy.optimize import minimize
 from scipy.spatial import ConvexHull, KDTree, QhullError
 
 Array = NDArray[np.float64]
+Capsule: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64], float]
+"""Both ends and the radius, m."""
+SHARES = (0.15, 0.3, 0.5, 0.7, 0.85)
+"""Where a mesh is cut up at first, of its length."""
 WORTH = 0.85
 """One capsule more is taken where all of them together then have so little of the volume."""
 MOST = 3
+POINTS = 6000
+"""That measure a volume."""
 SCALE = 1.0
 """Of the files' unit, m."""
 EDGE = 0.04
@@ -44,7 +53,7 @@ def main() -> int:
 def triangles_of(argument: str) -> Array:
     """Return the triangles of a mesh (n, 3, 3) in the link's frame, m."""
     path, *numbers = argument.split()
-    mesh = trimesh.load(Path(path), force="mesh")
+    mesh = trimesh.load_mesh(Path(path))
     mesh.apply_scale(SCALE)
     pose = np.eye(4)
     if numbers:
@@ -64,8 +73,9 @@ def tables(link: str, triangles: Array, mark: str) -> str:
     for k, (a, b, radius) in enumerate(capsules):
         name = link if len(capsules) == 1 else f"{link}_{k + 1}"
         over = overestimate((a, b, radius), triangles)
-        ends = "".join(f"{key}_m = {(np.round(p, ROUND) + 0.0).tolist()}\n" for key, p in
-                       (("a", a), ("b", b)))
+        ends = "".join(
+            f"{key}_m = {(np.round(p, ROUND) + 0.0).tolist()}\n" for key, p in (("a", a), ("b", b))
+        )
         written.append(
             f'\n[[collision]]\nname = "{name}"\nframe = "{link}"\nshape = "capsule"\n{ends}'
             f"radius_m = {radius:.{ROUND}f}\noverestimate_m = {over:.3f}\n"
@@ -74,43 +84,56 @@ def tables(link: str, triangles: Array, mark: str) -> str:
     return "".join(written)
 
 
-def cover(triangles: Array) -> list[tuple[Array, Array, float]]:
+def cover(triangles: Array) -> list[Capsule]:
     """Return as few capsules as are worth it."""
-    best = [fitted(triangles)]
+    found = [[fitted(triangles)]]
     for count in range(2, MOST + 1):
-        more = min((split(triangles, count, axis) for axis in range(3)), key=total)
-        if total(more) > WORTH * total(best):
-            break
-        best = more
-    return best
+        cuts = combinations(SHARES, count - 1)
+        tried = [split(triangles, cut, axis) for cut in cuts for axis in range(3)]
+        best = min(tried, key=total)
+        found.append([fitted(part) for part in parts(triangles, best)])
+    return min(found, key=lambda capsules: total(capsules) / WORTH ** len(capsules))
 
 
-def split(triangles: Array, count: int, axis: int) -> list[tuple[Array, Array, float]]:
-    """Cover triangles by `count` capsules, first cut up along one of their principal axes."""
+def split(triangles: Array, cut: tuple[float, ...], axis: int) -> list[Capsule]:
+    """Cover triangles by capsules, first cut up at shares of one of their principal axes."""
     centres = triangles.mean(axis=1)
     along = (centres - centres.mean(axis=0)) @ principal(triangles.reshape(-1, 3))[axis]
-    edges = np.linspace(along.min(), along.max(), count + 1)[1:-1]
+    edges = along.min() + np.array(cut) * np.ptp(along)
     part = np.searchsorted(edges, along)
+    capsules: list[Capsule] = []
     for _ in range(20):
-        if len(np.unique(part)) < count:
-            return [fitted(triangles)]
-        capsules = [rough(triangles[part == k].reshape(-1, 3)) for k in range(count)]
-        outside = [
-            distances(triangles.reshape(-1, 3), a, b).reshape(-1, 3).max(axis=1) - radius
-            for a, b, radius in capsules
-        ]
-        moved = np.argmin(outside, axis=0)
+        pieces = [triangles[part == k] for k in np.unique(part)]
+        capsules = [rough(piece.reshape(-1, 3)) for piece in pieces]
+        moved = nearest(triangles, capsules)
         if (moved == part).all():
             break
         part = moved
-    if len(np.unique(part)) < count:
-        return [fitted(triangles)]
-    return [fitted(triangles[part == k]) for k in range(count)]
+    return capsules
 
 
-def total(capsules: list[tuple[Array, Array, float]]) -> float:
-    """Return the sum of volumes, m^3."""
-    return sum(volume(float(np.linalg.norm(b - a)), radius) for a, b, radius in capsules)
+def parts(triangles: Array, capsules: list[Capsule]) -> list[Array]:
+    """Return the triangles of each capsule."""
+    part = nearest(triangles, capsules)
+    return [triangles[part == k] for k in np.unique(part)]
+
+
+def nearest(triangles: Array, capsules: list[Capsule]) -> NDArray[np.int64]:
+    """Return which capsule each triangle reaches out of least."""
+    outside = [
+        distances(triangles.reshape(-1, 3), a, b).reshape(-1, 3).max(axis=1) - radius
+        for a, b, radius in capsules
+    ]
+    return np.argmin(outside, axis=0)
+
+
+def total(capsules: list[Capsule]) -> float:
+    """Return the volume of the union, m^3: the share of points in the box round it."""
+    low = np.min([np.minimum(a, b) - radius for a, b, radius in capsules], axis=0)
+    high = np.max([np.maximum(a, b) + radius for a, b, radius in capsules], axis=0)
+    points = low + np.random.default_rng(1).random((POINTS, 3)) * (high - low)
+    inside = [distances(points, a, b) <= radius for a, b, radius in capsules]
+    return float(np.mean(np.any(inside, axis=0)) * np.prod(high - low))
 
 
 def volume(length: float, radius: float) -> float:
@@ -123,39 +146,37 @@ def principal(points: Array) -> Array:
     return np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2]
 
 
-def rough(points: Array) -> tuple[Array, Array, float]:
-    """Return the capsule along the principal axis of points that is as long as they are."""
-    centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    axis = principal(points)[0]
-    along = (points - centre) @ axis
-    off = np.linalg.norm(points - centre - along[:, None] * axis, axis=1).max()
-    low, high = min(0.0, along.min() + off), max(0.0, along.max() - off)
-    a, b = centre + low * axis, centre + high * axis
-    return a, b, float(distances(points, a, b).max())
+def rough(points: Array) -> Capsule:
+    """Return the smallest capsule along a principal axis of points that is as long as they are."""
+    found = []
+    for axis in principal(points):
+        along = points @ axis
+        off = points - along[:, None] * axis
+        middle = 0.5 * (off.min(axis=0) + off.max(axis=0))
+        radius = float(np.linalg.norm(off - middle, axis=1).max())
+        low, high = along.min() + radius, along.max() - radius
+        if low > high:
+            low = high = 0.5 * (low + high)
+        a, b = middle + low * axis, middle + high * axis
+        found.append((a, b, float(distances(points, a, b).max())))
+    return min(found, key=lambda of: volume(float(np.linalg.norm(of[1] - of[0])), of[2]))
 
 
-def fitted(triangles: Array) -> tuple[Array, Array, float]:
+def fitted(triangles: Array) -> Capsule:
     """Return a small capsule round triangles, rounded outwards."""
     points = np.unique(triangles.reshape(-1, 3), axis=0)
-    try:
+    with suppress(QhullError):  # Flat ones have no hull: all of their points do.
         points = points[ConvexHull(points).vertices]
-    except QhullError:
-        pass  # Flat: all of its points do.
 
     def cost(ends: Array) -> float:
         a, b = ends[:3], ends[3:]
         return volume(float(np.linalg.norm(b - a)), float(distances(points, a, b).max()))
 
-    centre, axes = 0.5 * (points.min(axis=0) + points.max(axis=0)), principal(points)
-    best = None
-    for axis in (*axes, *np.eye(3)):
-        half = 0.2 * np.ptp(points @ axis)
-        start = np.concatenate([centre - half * axis, centre + half * axis])
-        found = minimize(cost, start, method="Powell", options={"maxiter": 20, "xtol": 1e-4})
-        if best is None or found.fun < best.fun:
-            best = found
-    assert best is not None
-    ends = np.round(best.x, ROUND)
+    start, end, _ = rough(points)
+    from_there = np.concatenate([start, end])
+    best = minimize(cost, from_there, method="Powell", options={"maxiter": 30, "xtol": 1e-4})
+    better = best.x if best.fun < cost(from_there) else from_there
+    ends = np.round(better, ROUND)
     a, b = ends[:3], ends[3:]
     radius = float(distances(triangles.reshape(-1, 3), a, b).max())
     return a, b, float(np.ceil(radius * 10**ROUND) / 10**ROUND)
@@ -169,7 +190,7 @@ def distances(points: Array, a: Array, b: Array) -> Array:
     return np.linalg.norm(points - a - at[:, None] * along, axis=1)
 
 
-def overestimate(capsule: tuple[Array, Array, float], triangles: Array) -> float:
+def overestimate(capsule: Capsule, triangles: Array) -> float:
     """Return how far points of a capsule's surface are from the meshes at most, m, rounded up."""
     a, b, radius = capsule
     rng = np.random.default_rng(1)
@@ -186,9 +207,7 @@ def overestimate(capsule: tuple[Array, Array, float], triangles: Array) -> float
     at = np.where((way @ axis)[:, None] > 0, b, a)
     side = np.cross(way, axis) if np.linalg.norm(axis) > 0 else way
     side /= np.linalg.norm(side, axis=1)[:, None]
-    surface = np.concatenate(
-        [at + radius * way, a + rng.random((4000, 1)) * axis + radius * side]
-    )
+    surface = np.concatenate([at + radius * way, a + rng.random((4000, 1)) * axis + radius * side])
     return float(np.ceil(KDTree(on_mesh).query(surface)[0].max() * 1000) / 1000)
 
 

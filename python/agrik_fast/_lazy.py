@@ -29,8 +29,29 @@ MODULE_OF = {
 }
 """Module that defines each public name."""
 
-MODULES = ("collision", "errors", "euler", "harvest", "motion", "rotations", "solvers", "tasks")
-"""Modules that are public names themselves."""
+MODULES = (
+    "arms",
+    "cluster",
+    "collision",
+    "drivers",
+    "errors",
+    "euler",
+    "harvest",
+    "io",
+    "jax",
+    "jobs",
+    "motion",
+    "papers",
+    "plots",
+    "rotations",
+    "solvers",
+    "tasks",
+    "torch",
+    "tune",
+    "tuning",
+    "viewer",
+)
+"""Modules that are names of the package without being imported first."""
 
 _PACKAGE = "agrik_fast"
 

@@ -1,5 +1,6 @@
 """Harvest postures: whether an arm can pick a fruit among leaves, and how."""
 
+from ._crops import CropsJob
 from ._cutter import Cut, Cutter, cuts, with_cutter
 from ._decisions import Attempt, Decision, Decisions, Stage, Status
 from ._evaluate import Evaluation, evaluate
@@ -14,6 +15,7 @@ __all__ = [
     "SCENES",
     "Attempt",
     "Blockers",
+    "CropsJob",
     "Cut",
     "Cutter",
     "Decision",

@@ -50,6 +50,12 @@ class Evaluation:
         Whether the cut goes through the stalk, with the usual `Cutter`.
     seconds : float
         Time that the decisions and the blockers took, s.
+
+    Examples
+    --------
+    >>> found = ik.harvest.evaluate(ik.harvest.example_scene())
+    >>> len(found.decisions.names) == len(found.along)
+    True
     """
 
     robot: Robot
@@ -75,6 +81,12 @@ class Evaluation:
         dict
             "ok"; "blocked" (`Status.APPROACH_BLOCKED` and `Status.NO_COLLISION_FREE`), "none"
             (out of reach or of the limits), and "other". They add up to 1.
+
+        Examples
+        --------
+        >>> found = ik.harvest.evaluate(ik.harvest.example_scene())
+        >>> round(sum(found.shares().values()), 12)
+        1.0
         """
         of = self.decisions.shares()
         ok = of.get("OK", 0.0)
@@ -89,6 +101,12 @@ class Evaluation:
         -------
         list of (str, int)
             Of the objects that smallest sets of blockers hold.
+
+        Examples
+        --------
+        >>> found = ik.harvest.evaluate(ik.harvest.example_scene())
+        >>> all(count >= 1 for _, count in found.leaves())
+        True
         """
         counts: Counter[str] = Counter()
         for found in self.blockers.values():
@@ -97,7 +115,14 @@ class Evaluation:
         return sorted(counts.items(), key=lambda item: (-item[1], item[0]))
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Return one record a target, lengths in mm and angles in degrees as in the paper."""
+        """Return one record a target, lengths in mm and angles in degrees as in the paper.
+
+        Examples
+        --------
+        >>> found = ik.harvest.evaluate(ik.harvest.example_scene())
+        >>> len(list(found.rows())) == len(found.decisions.names)
+        True
+        """
         points = {name: target.point for name, target in self.scene.targets.items()}
         for k, one in enumerate(self.decisions):
             x, y, z = (1e3 * value for value in points[one.name])

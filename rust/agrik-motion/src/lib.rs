@@ -6,7 +6,9 @@
 //! frame in which the base of the chain stands.
 
 pub mod body;
+pub mod edges;
 pub mod harvest;
+pub mod planners;
 pub mod time_law;
 
 pub use agrik_compute::{Error, Result};

@@ -8,6 +8,7 @@ mod errors;
 mod files;
 mod harvest;
 mod ik;
+mod motion;
 mod records;
 mod result;
 mod robot;
@@ -49,6 +50,10 @@ mod _native {
     use ik::branches::{Branches, branches};
     #[pymodule_export]
     use ik::control::TargetSolver;
+    #[pymodule_export]
+    use motion::check::{motion_check, motion_words};
+    #[pymodule_export]
+    use motion::plan::motion_plan;
     #[pymodule_export]
     use result::{IkResult, ik_result, statuses};
     #[pymodule_export]

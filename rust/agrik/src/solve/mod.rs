@@ -12,6 +12,7 @@ pub mod population;
 mod postures;
 mod refined;
 mod rows;
+mod sensitivity;
 mod setup;
 mod start;
 mod step;
@@ -22,6 +23,7 @@ pub use engine::run;
 pub use follow::{Follow, Path};
 pub use plan::Plan;
 pub use refined::Refined;
+pub use sensitivity::{DH, Sensitivity, TWIST};
 pub use setup::Setup;
 pub use step::{
     GainUnits, Lengths, Matrix, Pace, Pid, PidOrder, Settings, StartRule, StateSpace, StaticGain,
