@@ -194,6 +194,8 @@ impl Collider {
                 }
             }
         })
+    }
+
     /// By how much farther than is to be kept a body that lies as `solid` is from every object
     /// that it minds, m, and `cap` where that is less; see [`Scene::margin`].
     pub(crate) fn margin(
