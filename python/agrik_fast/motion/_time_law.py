@@ -77,7 +77,7 @@ def time_law(
     >>> arm = ik.Robot.load("ur5")
     >>> trajectory = motion.time_law(arm, [arm.home, arm.home + [0.5, 0, 0, 0, 0, 1.0]])
     >>> round(trajectory.duration, 4)
-    0.941
+    0.9041
     """
     if not isinstance(arm, Robot):
         raise ArgumentError("arm", shown(arm), "a Robot")

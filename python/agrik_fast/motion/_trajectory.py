@@ -181,7 +181,7 @@ class Trajectory:
         >>> arm = ik.Robot.load("ur5")
         >>> trajectory = motion.time_law(arm, [arm.home, arm.home + 0.5])
         >>> len(trajectory.sampled(None))
-        8
+        7
         """
         return Trajectory(
             self._recipe, self._names, self._types, checked_rate(rate), self._motion
@@ -234,10 +234,13 @@ class Trajectory:
             ``velocities``, ``accelerations``, ``effort`` (empty) and ``time_from_start``
             (``sec``, ``nanosec``); lists of plain numbers.
 
+            Of points nearer in time than a nanosecond, which the message cannot tell apart,
+            the last one stands there.
+
         Raises
         ------
         ArgumentError
-            Points nearer in time than a nanosecond, which the message cannot tell apart.
+            A `frame_id` that is no text.
 
         Examples
         --------
@@ -267,7 +270,7 @@ class Trajectory:
         MissingExtraError
             The extra ``ros`` (rosbags, pure Python) is not installed.
         ArgumentError
-            As `to_ros`; a topic that is none.
+            A topic that is none.
         """
         from ._ros_bag import write
 

@@ -41,9 +41,8 @@ def message(trajectory: Trajectory, frame_id: str = "") -> dict[str, Any]:
     """Return a trajectory as ROS has it; see `Trajectory.to_ros`."""
     _checks.text("frame_id", frame_id)
     stamps = np.rint(trajectory.times * _NANOSECONDS).astype(np.int64)
-    if (np.diff(stamps) <= 0).any():
-        expected = "points at least a nanosecond apart: another rate"
-        raise ArgumentError("trajectory", "points that the message cannot tell apart", expected)
+    # Of points that the message cannot tell apart the last one counts.
+    kept = np.append(np.diff(stamps) > 0, True)
     points = [
         {
             "positions": q,
@@ -53,10 +52,10 @@ def message(trajectory: Trajectory, frame_id: str = "") -> dict[str, Any]:
             "time_from_start": {"sec": stamp // _NANOSECONDS, "nanosec": stamp % _NANOSECONDS},
         }
         for q, v, a, stamp in zip(
-            trajectory.positions.tolist(),
-            trajectory.velocities.tolist(),
-            trajectory.accelerations.tolist(),
-            stamps.tolist(),
+            trajectory.positions[kept].tolist(),
+            trajectory.velocities[kept].tolist(),
+            trajectory.accelerations[kept].tolist(),
+            stamps[kept].tolist(),
             strict=True,
         )
     ]
