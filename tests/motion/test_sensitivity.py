@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from typing import Any
 
@@ -87,7 +88,7 @@ def test_paths_are_certified_and_the_bounds_hold() -> None:
     found = motion.path_sensitivity(arm, scene, path, errors, resolution=5e-4)
     coarse = motion.path_sensitivity(arm, scene, path, errors, resolution=2e-2)
     dense = np.concatenate(
-        [a + np.linspace(0, 1, 300)[:, None] * (b - a) for a, b in zip(path, path[1:], strict=False)]
+        [a + np.linspace(0, 1, 300)[:, None] * (b - a) for a, b in itertools.pairwise(path)]
     )
     least = float(scene.clearance(arm, dense).min())
     # Never more than what is sampled, and less by the resolution at most.
@@ -100,7 +101,9 @@ def test_paths_are_certified_and_the_bounds_hold() -> None:
     assert found.free <= drawn.free + 3 * error
     assert found.free <= found.segment_free.min()
     assert found.free <= found.nearest
-    single = motion.sensitivity(arm, scene, dense[int(scene.clearance(arm, dense).argmin())], errors)
+    single = motion.sensitivity(
+        arm, scene, dense[int(scene.clearance(arm, dense).argmin())], errors
+    )
     assert found.free <= single.nearest + 1e-6
 
 
@@ -135,7 +138,7 @@ def test_motions_are_looked_at_as_they_are() -> None:
     assert least - 5e-3 <= found.certified <= least
     assert set(found.segment) == {0}
     other = ik.Robot.load("ur5")
-    with pytest.raises(ik.ArgumentError, match="path.*other joints"):
+    with pytest.raises(ik.ArgumentError, match=r"path.*other joints"):
         motion.path_sensitivity(other, scene, trajectory)
 
 
@@ -177,7 +180,7 @@ def test_bad_input() -> None:
         motion.simulate(arm, scene, np.zeros((0, 7)))
     with pytest.raises(ik.ArgumentError, match="resolution"):
         motion.path_sensitivity(arm, scene, path, resolution=0.0)
-    with pytest.raises(ik.ArgumentError, match="resolution.*100000 postures"):
+    with pytest.raises(ik.ArgumentError, match=r"resolution.*100000 postures"):
         motion.path_sensitivity(arm, scene, path, resolution=1e-9)
     with pytest.raises(ik.ArgumentError, match="waypoints"):
         motion.path_sensitivity(arm, scene, path[:, :3])

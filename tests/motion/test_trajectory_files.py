@@ -59,9 +59,7 @@ def check_message(message: dict[str, object], trajectory: motion.Trajectory) -> 
 
 
 @pytest.mark.parametrize("suffix", ["json", "yaml", "YML"])
-def test_ros_messages_as_text(
-    trajectory: motion.Trajectory, tmp_path: Path, suffix: str
-) -> None:
+def test_ros_messages_as_text(trajectory: motion.Trajectory, tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"t.{suffix}"
     trajectory.save(path)
     text = path.read_text(encoding="utf-8")

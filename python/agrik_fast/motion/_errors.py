@@ -106,7 +106,7 @@ class Lengths:
         poses = self._robot.fk_links(np.zeros(self._robot.dof))
         before = np.concatenate([self._base[None], poses[:-1]])
         ways = poses[:, :3, 3] - before[:, :3, 3]
-        return np.einsum("kxy,kx->ky", before[:, :3, :3], ways)
+        return np.asarray(np.einsum("kxy,kx->ky", before[:, :3, :3], ways))
 
     def directions(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the direction of each length, shape (n, lengths, 3), and the tool points."""

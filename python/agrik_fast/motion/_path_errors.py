@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -173,7 +174,7 @@ def _of_waypoints(case: Case, waypoints: FloatArray, fine: float) -> _Intervals:
         return waypoints, np.zeros_like(waypoints), np.zeros(1, dtype=np.int64)
     middles, reach, segment = [], [], []
     total = 0
-    for k, (a, b) in enumerate(zip(waypoints[:-1], waypoints[1:], strict=True)):
+    for k, (a, b) in enumerate(itertools.pairwise(waypoints)):
         half = 0.5 * np.abs(b - a)
         moved = float(case.motion((0.5 * (a + b))[None], half[None]).max(initial=0.0))
         count = max(1, int(np.ceil(min(moved / fine, 2.0 * _MOST))))

@@ -343,7 +343,7 @@ class Case:
     def motion(self, q: FloatArray, reach: FloatArray) -> FloatArray:
         """Return how far core points of the bodies move within `reach`, shape (m, bodies), m."""
         levers = [self.bodies.levers(row, most) for row, most in zip(q, reach, strict=True)]
-        return np.einsum("mjb,mj->mb", np.array(levers), reach)
+        return np.asarray(np.einsum("mjb,mj->mb", np.array(levers), reach))
 
     def _worst(self, q: FloatArray, points: FloatArray) -> FloatArray:
         """Return by how much errors of no more than their sizes lessen clearances at most."""

@@ -13,6 +13,7 @@ from .. import _native
 from .._checks import FloatArray, float_array, real_number
 from ..errors import ArgumentError
 from . import _trajectory_files
+from ._points import Points
 
 __all__ = ["Trajectory"]
 
@@ -57,7 +58,8 @@ class Trajectory:
         self._types = joint_types
         self._rate = rate
         times = self._motion.times if rate is None else _grid(self._motion.duration, rate)
-        self._points = (times, *self._motion.at(times))
+        q, v, a, j = self._motion.at(times)
+        self._points: tuple[FloatArray, ...] = (times, q, v, a, j)
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -183,9 +185,7 @@ class Trajectory:
         >>> len(trajectory.sampled(None))
         7
         """
-        return Trajectory(
-            self._recipe, self._names, self._types, checked_rate(rate), self._motion
-        )
+        return Trajectory(self._recipe, self._names, self._types, checked_rate(rate), self._motion)
 
     def save(self, path: str | PathLike[str], *, force: bool = False) -> None:
         """Write the points to a file.
@@ -217,7 +217,7 @@ class Trajectory:
         >>> path.read_text().split(",")[:2]
         ['time_s', 'shoulder_pan_rad']
         """
-        _trajectory_files.save(self, path, force=force)
+        _trajectory_files.save(self._rows(), path, force=force)
 
     def to_ros(self, frame_id: str = "") -> dict[str, Any]:
         """Return the points in the shape of ROS's ``trajectory_msgs/JointTrajectory``.
@@ -251,7 +251,7 @@ class Trajectory:
         >>> message["points"][0]["time_from_start"]
         {'sec': 0, 'nanosec': 0}
         """
-        return _trajectory_files.message(self, frame_id)
+        return _trajectory_files.message(self._rows(), frame_id)
 
     def write_bag(self, path: str | PathLike[str], topic: str = "/joint_trajectory") -> None:
         """Write the points as one message to a new ROS 2 bag.
@@ -274,7 +274,17 @@ class Trajectory:
         """
         from ._ros_bag import write
 
-        write(self, path, topic)
+        write(self._rows(), path, topic)
+
+    def _rows(self) -> Points:
+        return Points(
+            self._names,
+            self._types,
+            self.times,
+            self.positions,
+            self.velocities,
+            self.accelerations,
+        )
 
     def __len__(self) -> int:
         return len(self.times)
