@@ -1652,11 +1652,6 @@ class HarvestProgramme:
     def terms(self, q: ArrayLike) -> dict[str, Any]:
         """Return the terms of the cost at joint values, shape (..., dof)."""
 
-    def clearances(
-        self, q: ArrayLike, shifts: ArrayLike, threads: int | None = None
-    ) -> NDArray[np.float64]:
-        """Distance from the crop at joint values (n, dof), bodies shifted by (n, bodies, 3), m."""
-
     def search(
         self,
         algorithm: str,

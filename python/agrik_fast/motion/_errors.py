@@ -61,7 +61,14 @@ class Errors:
             real_number(name, getattr(self, name), 0.0)
 
     def joints(self, robot: Robot) -> FloatArray:
-        """Return the standard deviation of each joint value, rad or m; play counts as even."""
+        """Return the standard deviation of each joint value, rad or m; play counts as even.
+
+        Examples
+        --------
+        >>> from agrik_fast import Robot, motion
+        >>> motion.Errors(slide=0.001).joints(Robot.load("cucumber")).shape
+        (7,)
+        """
         turning = math.hypot(self.joint, self.backlash / math.sqrt(12))
         slides = np.array([kind == "prismatic" for kind in robot.joint_types])
         return np.where(slides, self.slide, turning)
@@ -106,7 +113,7 @@ class Lengths:
         poses = self._robot.fk_links(np.zeros(self._robot.dof))
         before = np.concatenate([self._base[None], poses[:-1]])
         ways = poses[:, :3, 3] - before[:, :3, 3]
-        return np.einsum("kxy,kx->ky", before[:, :3, :3], ways)
+        return np.asarray(np.einsum("kxy,kx->ky", before[:, :3, :3], ways))
 
     def directions(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the direction of each length, shape (n, lengths, 3), and the tool points."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -143,6 +144,17 @@ def path_sensitivity(
     ArgumentError
         A wrong shape, numbers that are not finite, an arm without bodies; a path that would
         have to be looked at in more than 100,000 postures.
+
+    Examples
+    --------
+    >>> from agrik_fast import Robot, motion
+    >>> from agrik_fast.collision import Box, Scene, SceneObject
+    >>> scene = Scene([SceneObject.of("box", Box([0.45, 0.55, 0.35], [0.1, 0.1, 0.1]))])
+    >>> arm = Robot.load("panda")
+    >>> start = arm.joint_values({"panda_joint4": -2.0, "panda_joint6": 2.0})
+    >>> found = motion.path_sensitivity(arm, scene, [start, start + 0.2])
+    >>> bool(found.certified <= scene.clearance(arm, start))
+    True
     """
     case = Case(arm, scene, errors)
     fine = real_number("resolution", resolution, 0.0, open_low=True, unit="m")
@@ -173,7 +185,7 @@ def _of_waypoints(case: Case, waypoints: FloatArray, fine: float) -> _Intervals:
         return waypoints, np.zeros_like(waypoints), np.zeros(1, dtype=np.int64)
     middles, reach, segment = [], [], []
     total = 0
-    for k, (a, b) in enumerate(zip(waypoints[:-1], waypoints[1:], strict=True)):
+    for k, (a, b) in enumerate(itertools.pairwise(waypoints)):
         half = 0.5 * np.abs(b - a)
         moved = float(case.motion((0.5 * (a + b))[None], half[None]).max(initial=0.0))
         count = max(1, int(np.ceil(min(moved / fine, 2.0 * _MOST))))

@@ -43,6 +43,15 @@ class Sensitivity:
         What is left of each clearance if no error is larger than its standard deviation
         (play: half of it), whatever their directions: the joints' levers times their errors,
         every length's error in full, the scene off the worst way. No linearisation.
+
+    Examples
+    --------
+    >>> from agrik_fast import Robot, motion
+    >>> from agrik_fast.collision import Scene, SceneObject, Sphere
+    >>> scene = Scene([SceneObject.of("ball", Sphere([0.6, 0.0, 0.5], 0.05))])
+    >>> found = motion.sensitivity(Robot.load("panda"), scene, [0, 0, 0, -1.5, 0, 1.5, 0])
+    >>> found.covariance.shape, len(found.bodies) == len(found.clearance)
+    ((3, 3), True)
     """
 
     covariance: FloatArray
@@ -79,6 +88,15 @@ class Sensitivity:
         ------
         ArgumentError
             A probability out of its range.
+
+        Examples
+        --------
+        >>> from agrik_fast import Robot, motion
+        >>> from agrik_fast.collision import Scene, SceneObject, Sphere
+        >>> scene = Scene([SceneObject.of("ball", Sphere([0.6, 0.0, 0.5], 0.05))])
+        >>> found = motion.sensitivity(Robot.load("panda"), scene, [0, 0, 0, -1.5, 0, 1.5, 0])
+        >>> found.min_distance(0.9) < found.min_distance(0.99)
+        True
         """
         wanted = real_number("probability", probability, 0.0, 1.0, open_low=True)
         if wanted == 1:
@@ -103,6 +121,16 @@ class Simulated:
         Share of the draws in which the posture, or the whole path, stays free of the scene.
     clearance : ndarray, shape (draws,), m
         Clearance of each, the least along a path.
+
+    Examples
+    --------
+    >>> from agrik_fast import Robot, motion
+    >>> from agrik_fast.collision import Scene, SceneObject, Sphere
+    >>> scene = Scene([SceneObject.of("ball", Sphere([0.9, 0.0, 0.5], 0.05))])
+    >>> arm = Robot.load("panda")
+    >>> drawn = motion.simulate(arm, scene, [0, 0, 0, -1.5, 0, 1.5, 0], draws=100)
+    >>> drawn.clearance.shape
+    (100,)
     """
 
     rms: float
@@ -343,7 +371,7 @@ class Case:
     def motion(self, q: FloatArray, reach: FloatArray) -> FloatArray:
         """Return how far core points of the bodies move within `reach`, shape (m, bodies), m."""
         levers = [self.bodies.levers(row, most) for row, most in zip(q, reach, strict=True)]
-        return np.einsum("mjb,mj->mb", np.array(levers), reach)
+        return np.asarray(np.einsum("mjb,mj->mb", np.array(levers), reach))
 
     def _worst(self, q: FloatArray, points: FloatArray) -> FloatArray:
         """Return by how much errors of no more than their sizes lessen clearances at most."""

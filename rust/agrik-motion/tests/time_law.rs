@@ -111,7 +111,7 @@ proptest! {
         let lengths = vec![1.0 / (count - 1) as f64; count - 1];
         let path = Path::smooth(3, &points, &lengths).unwrap();
         for i in 0..count {
-            path.at(i as f64 / (count - 1) as f64, |joint, values| {
+            path.at(0, i as f64 / (count - 1) as f64, |joint, values| {
                 assert!((values[0] - of(i)[joint]).abs() < 1e-12);
             });
         }
