@@ -271,6 +271,17 @@ class Trajectory:
             The extra ``ros`` (rosbags, pure Python) is not installed.
         ArgumentError
             A topic that is none.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> import agrik_fast as ik
+        >>> from agrik_fast import motion
+        >>> arm = ik.Robot.load("ur5")
+        >>> folder = pathlib.Path(tempfile.mkdtemp()) / "bag"
+        >>> motion.time_law(arm, [arm.home, arm.home + 0.5]).write_bag(folder)
+        >>> sorted(file.name for file in folder.iterdir())
+        ['bag.db3', 'metadata.yaml']
         """
         from ._ros_bag import write
 
