@@ -31,6 +31,7 @@ help: ## say what every target does
 run: build ## solve the example targets of every robot, write and check the results
 	$(PY) examples/run_all.py
 	$(PY) examples/field_jobs.py
+	$(PY) examples/play_line.py
 
 test: rust-lint rust-test python-lint python-test ## every check but the oracle: linters, types, Rust and Python tests
 

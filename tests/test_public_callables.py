@@ -64,10 +64,12 @@ RECORDS = (BaseException, tuple, int, pydantic.BaseModel)
 # Records that the library makes and nobody else.
 ANSWERS = {
     "Arrival", "Attempt", "Blockers", "Branches", "Command", "Commands", "Decision", "Decisions",
-    "DhRow", "Distances", "Evaluation", "ExcludedPair", "Family", "IkResult", "LinkStatistics",
-    "PacedResult", "Path", "Programme", "Report", "RigStatus", "Run", "Runs", "SelfPairs",
+    "DhRow", "Distances", "Evaluation", "ExcludedPair", "Family", "IkResult", "JointPath",
+    "LinkStatistics",
+    "PacedResult", "Path", "PathSensitivity", "Programme", "Report", "RigStatus", "Run", "Runs",
+    "SelfPairs",
     "Sensitivity", "Simulated", "Straightened", "StrawberryResult", "Terms", "TomatoBranches",
-    "TomatoResult", "Torques",
+    "TomatoResult", "Torques", "Trajectory",
 }  # fmt: skip
 # Objects and files, for which nothing but their own kind makes sense: what is none at all is the
 # type checker's business, as it is for `Robot(definition)`, which users do not call.
@@ -190,6 +192,10 @@ ARGUMENTS: dict[str, Any] = {
     "url": "loop://",
     "weights": (1, 1, 1, 0, 0, 0),
     "values": {},
+    "start": np.zeros(7),
+    "end": np.array([0.3, 0.2, 0.9]),
+    "via": np.array([0.1, 0.2, 1.0]),
+    "waypoints": np.zeros((2, 7)),
     "xyz": np.zeros(3),
 }
 # Those of one callable alone.
