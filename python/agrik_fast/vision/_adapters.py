@@ -12,6 +12,7 @@ from .._checks import FloatArray, float_array, real_number, truth_value
 from ..errors import ArgumentError
 from ._camera import Camera
 from ._detect import Detection, DetectionStatus, Detector
+from ._images import array_of, of_kind
 from ._obstacles import depth_of, points_of
 
 __all__ = ["LongFruit", "from_boxes", "from_masks", "long_fruit"]
@@ -36,7 +37,8 @@ def from_masks(masks: ArrayLike, detector: Detector) -> list[Detection]:
     >>> [found.status.name for found in from_masks([disc], Detector(paper_camera()))]
     ['OK']
     """
-    given = np.asarray(masks)
+    of_kind("detector", detector, Detector)
+    given = array_of("masks", masks, "bu", "masks of bool or uint8")
     shape = (detector.camera.height, detector.camera.width)
     if given.ndim != 3 or given.shape[1:] != shape or given.dtype.kind not in "bu":
         received = f"{given.dtype}, shape {given.shape}"
@@ -70,6 +72,7 @@ def from_boxes(boxes: ArrayLike, camera: Camera, *, trusted: bool = False) -> li
         Another shape, or a box that is none.
     """
     rows = float_array("boxes", boxes)
+    of_kind("camera", camera, Camera)
     if rows.size == 0:
         return []
     trusted = truth_value("trusted", trusted)
@@ -151,8 +154,9 @@ def long_fruit(
     ArgumentError
         Another shape, too few pixels with depth, or something that is not long.
     """
+    of_kind("camera", camera, Camera)
     shape = (camera.height, camera.width)
-    given = np.asarray(mask)
+    given = array_of("mask", mask, "b", "a mask of bool")
     if given.dtype != bool or given.shape != shape:
         raise ArgumentError("mask", f"{given.dtype}, shape {given.shape}", f"bool, shape {shape}")
     share = real_number("grip", grip, 0, 1)

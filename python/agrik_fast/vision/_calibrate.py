@@ -14,7 +14,7 @@ from ..errors import ArgumentError
 from ._camera import Camera
 from ._cv import opencv
 from ._errors import CalibrationRefusedError
-from ._images import Image, checked_image, same_size
+from ._images import Image, checked_image, of_kind, same_size
 
 __all__ = ["Board", "CameraCalibration", "board_pose", "calibrate"]
 
@@ -122,7 +122,7 @@ def calibrate(images: Iterable[Image], board: Board | None = None) -> CameraCali
         Fewer than 8 views with 8 corners or more, beside those that are held back.
     """
     cv2 = opencv()
-    board = Board() if board is None else board
+    board = Board() if board is None else of_kind("board", board, Board)
     views: list[tuple[int, NDArray[Any], NDArray[Any]]] = []
     skipped: list[int] = []
     size: tuple[int, int] | None = None
@@ -213,8 +213,9 @@ def board_pose(image: Image, camera: Camera, board: Board | None = None) -> Floa
         Fewer than 8 corners are seen.
     """
     picture = checked_image("image", image)
+    of_kind("camera", camera, Camera)
     same_size("image", picture, camera.width, camera.height)
-    found = _corners(picture, Board() if board is None else board)
+    found = _corners(picture, Board() if board is None else of_kind("board", board, Board))
     pose = None if found is None else _solved(camera, *found)
     if pose is None:
         raise CalibrationRefusedError(f"fewer than {FEWEST_CORNERS} corners of the board are seen")

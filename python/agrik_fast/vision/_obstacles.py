@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks import FloatArray, finite_array, real_number, whole_number
+from .._checks import FloatArray, finite_array, float_array, items, real_number, text, whole_number
 from ..errors import ArgumentError
 from ._camera import Camera
 from ._cv import opencv
 from ._detect import Detection, DetectionStatus
-from ._images import Image, checked_image
+from ._images import Image, array_of, checked_image, of_kind
 
 __all__ = ["Obstacle", "balls_that_cover", "fruit_radius", "green_masks", "obstacles"]
 
@@ -25,6 +25,7 @@ _FEWEST_PIXELS = 30
 _FEWEST_POINTS = 15
 _MOST_POINTS = 200
 _FRONT_SHARE = 0.03
+_MASKS = "masks, or masks by name"
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ def balls_that_cover(
     centres : ndarray, shape (k, 3), m
     radius, covering : float, m
     """
-    cloud = np.asarray(points, dtype=float)
+    cloud = float_array("points", points)
     if cloud.ndim != 2 or cloud.shape[1] != 3 or not len(cloud) or not np.isfinite(cloud).all():
         raise ArgumentError("points", f"shape {cloud.shape}", "finite points, shape (n >= 1, 3)")
     depth_error = real_number("depth_error", depth_error, 0, unit="m")
@@ -111,7 +112,9 @@ def balls_that_cover(
 def green_masks(
     image: Image, depth: ArrayLike, *, saturation: int = 110, step: float = 0.012
 ) -> list[NDArray[np.bool_]]:
-    """Return masks of green things, hue 35 to 85 of 180, parted where the depth jumps; largest first.
+    """Return masks of green things, the largest first, parted where the depth jumps.
+
+    Green is hue 35 to 85 of 180.
 
     Parameters
     ----------
@@ -143,7 +146,7 @@ def green_masks(
 
 
 def depth_of(value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
-    z = np.array(value, dtype=float)
+    z = float_array("depth", value).copy()
     if z.shape != tuple(shape):
         raise ArgumentError("depth", f"shape {z.shape}", f"shape {tuple(shape)}")
     # Cameras write 0 where they know nothing.
@@ -180,7 +183,8 @@ def fruit_radius(found: Detection, points: ArrayLike) -> float:
     points : array_like, shape (n, 3), m
         Of its pixels, in the camera's frame.
     """
-    cloud = np.asarray(points, dtype=float)
+    of_kind("found", found, Detection)
+    cloud = float_array("points", points)
     if cloud.ndim != 2 or cloud.shape[1] != 3 or len(cloud) < _FEWEST_PIXELS:
         expected = f"shape (n >= {_FEWEST_PIXELS}, 3)"
         raise ArgumentError("points", f"shape {cloud.shape}", expected)
@@ -231,17 +235,23 @@ def obstacles(
     ArgumentError
         A mask or the depth has another shape than the camera's pictures.
     """
+    of_kind("camera", camera, Camera)
     shape = (camera.height, camera.width)
     z = depth_of(depth, shape)
     place = np.eye(4) if pose is None else finite_array("pose", pose, (4, 4))
     named = (
         dict(masks)
         if isinstance(masks, Mapping)
-        else {f"{kind}{number}": each for number, each in enumerate(masks)}
+        else {f"{kind}{number}": each for number, each in enumerate(items("masks", masks, _MASKS))}
     )
+    kind = text("kind", kind)
+    if radius is not None:
+        radius = real_number("radius", radius, 0, open_low=True, unit="m")
+    real_number("depth_error", depth_error, 0, unit="m")
+    real_number("half_thickness", half_thickness, 0, unit="m")
     rows = []
     for name, mask in named.items():
-        given = np.asarray(mask)
+        given = array_of(f"masks[{name}]", mask, "b", "a mask of bool")
         if given.dtype != bool or given.shape != shape:
             raise ArgumentError(f"masks[{name}]", f"{given.dtype}, {given.shape}", f"bool, {shape}")
         cloud = points_of(given, z, camera)
@@ -253,7 +263,8 @@ def obstacles(
             cloud, depth_error=depth_error + rim, half_thickness=half_thickness
         )
         rows.append(Obstacle(name, kind, _moved(place, centres), size, covering).row())
-    for number, found in enumerate(fruits):
+    for number, found in enumerate(items("fruits", fruits, "detections")):
+        of_kind(f"fruits[{number}]", found, Detection)
         if found.status == DetectionStatus.WEAK:
             continue
         size = _radius_of(found, z, camera) if radius is None else radius

@@ -13,7 +13,7 @@ from ._camera import Camera
 from ._cv import opencv
 from ._detect import red_mask
 from ._errors import CalibrationRefusedError
-from ._images import Image
+from ._images import Image, of_kind
 
 __all__ = ["Plane", "red_squares"]
 
@@ -62,6 +62,7 @@ class Plane:
         CalibrationRefusedError
             Fewer than 9 points, or all on a line.
         """
+        of_kind("camera", camera, Camera)
         uv, xy = float_array("pixels", pixels), float_array("points", points)
         for name, value in (("pixels", uv), ("points", xy)):
             if value.ndim != 2 or value.shape[1] != 2 or not np.isfinite(value).all():

@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks import FloatArray, finite_array, whole_number
-from ..errors import ArgumentError
 from ._camera import Camera
 from ._cv import opencv
-from ._images import Image
+from ._images import Image, of_kind
 from ._scenes import (
     Fruit,
     Leaf,
@@ -345,11 +344,8 @@ def render(
     >>> picture.image.shape
     (240, 320, 3)
     """
-    if not isinstance(scene, Scene):
-        raise ArgumentError("scene", type(scene).__name__, "a vision.Scene")
-    camera = paper_camera() if camera is None else camera
-    if not isinstance(camera, Camera):
-        raise ArgumentError("camera", type(camera).__name__, "a vision.Camera")
+    of_kind("scene", scene, Scene)
+    camera = paper_camera() if camera is None else of_kind("camera", camera, Camera)
     frame = whole_number("frame", frame, 0)
     place = np.eye(4) if pose is None else finite_array("pose", pose, (4, 4))
     canvas = _Canvas(scene, camera, place)

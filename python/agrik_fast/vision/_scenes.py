@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks import FloatArray, direction, finite_array, real_number
+from .._checks import FloatArray, direction, finite_array, real_number, whole_number
 from ..errors import ArgumentError
 from ._camera import Camera
 from ._images import checked_image
@@ -244,7 +244,7 @@ def paper_camera(width: int = 320) -> Camera:
     width : {320, 640}
         The two sizes of the tomato paper.
     """
-    if width not in (320, 640):
+    if whole_number("width", width, 320, 640) not in (320, 640):
         raise ArgumentError("width", repr(width), "320 or 640")
     focal = 160 / math.tan(math.radians(30))
     five = (-0.18, 0.06, 0.001, -0.0008, 0.0)

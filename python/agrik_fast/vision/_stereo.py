@@ -10,13 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, finite_array, float_array, real_number, shown
+from .._checks import FloatArray, finite_array, float_array, real_number
 from .._checks import path as checked_path
 from ..errors import ArgumentError
 from ._camera import Camera
 from ._cv import opencv
 from ._errors import VisionFileError
-from ._images import Image, checked_image, same_size
+from ._images import Image, checked_image, of_kind, same_size
 
 __all__ = ["StereoPair", "Triangulated", "triangulate"]
 
@@ -41,6 +41,7 @@ class StereoPair:
 
     def __post_init__(self) -> None:
         real_number("StereoPair.baseline", self.baseline, 0, open_low=True, unit="m")
+        of_kind("StereoPair.camera", self.camera, Camera)
         if any(self.camera.distortion):
             raise ArgumentError("StereoPair.camera", "one with distortion", "a rectified pair's")
 
@@ -119,9 +120,8 @@ def triangulate(
     ArgumentError
         Another shape, or both cameras are at one place.
     """
-    for name, camera in (("left", left), ("right", right)):
-        if not isinstance(camera, Camera):
-            raise ArgumentError(name, shown(camera), "a vision.Camera")
+    of_kind("left", left, Camera)
+    of_kind("right", right, Camera)
     names: tuple[str, ...] = ()
     if isinstance(matches, str | Path):
         rows, names = _read(checked_path("matches", matches))
