@@ -20,7 +20,7 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run test lint format bench callgrind aarch64 sanitize miri wheel docs clean build oracle \
-	firmware rigs rigs-full \
+	firmware rigs rigs-full vision-full \
 	damaged fuzz-arms fuzz-sample robustness rust-lint rust-test python-lint python-test
 
 help: ## say what every target does

@@ -11,6 +11,7 @@ import matplotlib as mpl
 import numpy as np
 import ring_picture
 import solids_picture
+import vision_pictures
 
 import agrik_fast as ik
 from agrik_fast.papers import hydrolek, redundant7, strawberry, tomato
@@ -233,6 +234,7 @@ def main(folder: Path) -> None:
     solids_picture.draw_greenhouse(folder / "scene.png", save)
     solids_picture.draw_clearance(folder / "clearance.svg", save)
     hardware_pictures.main(folder / "hardware")
+    vision_pictures.main(folder / "vision")
     methods = folder / "methods"
     methods.mkdir(exist_ok=True)
     draw_laws(methods)

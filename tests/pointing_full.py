@@ -49,7 +49,7 @@ def main() -> int:
         print(
             f"{case}: off the stand-off point <= {1e3 * worst:.2f} mm ({1e3 * limit:g} allowed), "
             f"settled in <= {settled:.2f} s, nearest {1e3 * nearest:+.2f} mm beyond the gap, "
-            f"CPU a frame {1e3 * np.median(cpu):.1f} ms, 95 % {1e3 * np.percentile(cpu, 95):.1f} ms",
+            f"CPU a frame {1e3 * np.median(cpu):.1f}, 95 % {1e3 * np.percentile(cpu, 95):.1f} ms",
             flush=True,
         )
     print(f"radius {1e3 * RADIUS:g} mm; {failed} of {4 * given.fruits} not as wanted")
