@@ -673,9 +673,10 @@ def drive(
 ) -> None:
     """Drive the strawberry or the tomato rig from target to target, or to what a camera sees.
 
-    A table shows where it is; with a camera, the numbers of the last picture. Ctrl-C stops the motors first. At the first target that cannot be
-    driven to the motors stop, and the rest of the list is named. Needs the extra `drivers`, and
-    for the simulated rig a checkout with `make firmware`.
+    A table shows where it is; with a camera, the numbers of the last picture. Ctrl-C stops the
+    motors first. At the first target that cannot be driven to the motors stop, and the rest of the
+    list is named. Needs the extra `drivers` (with a camera, `vision` too), and for the simulated
+    rig a checkout with `make firmware`.
     """
     with exit_codes() as kept:
         from ._drive import DriveRequest, Row, count, drive_words, one_of
