@@ -7,7 +7,7 @@ with it the command line's help) costs next to nothing.
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from . import collision, errors, euler, harvest, rotations, solvers, tasks
+    from . import collision, errors, euler, harvest, motion, rotations, solvers, tasks
     from ._native import __version__, get_num_threads, set_num_threads, simd_level
     from .collision import Scene
     from .errors import (
@@ -46,6 +46,7 @@ __all__ = [
     "euler",
     "get_num_threads",
     "harvest",
+    "motion",
     "rotations",
     "set_num_threads",
     "simd_level",

@@ -28,7 +28,16 @@ MODULE_OF = {
 }
 """Module that defines each public name."""
 
-MODULES = ("collision", "errors", "euler", "harvest", "rotations", "solvers", "tasks")
+MODULES = (
+    "collision",
+    "errors",
+    "euler",
+    "harvest",
+    "motion",
+    "rotations",
+    "solvers",
+    "tasks",
+)
 """Modules that are public names themselves."""
 
 _PACKAGE = "agrik_fast"
