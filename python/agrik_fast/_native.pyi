@@ -1458,7 +1458,6 @@ class HarvestProgramme:
 def harvest_words() -> tuple[list[str], list[str]]:
     """Return the names of the statuses and of the stages of a decision, at their codes."""
 
-
 def motion_check(
     collider: Collider,
     path: ArrayLike,

@@ -1,5 +1,6 @@
 """Harvest postures: whether an arm can pick a fruit among leaves, and how."""
 
+from ._cycle import Cycle, Leg, cycle
 from ._decisions import Attempt, Decision, Decisions, Stage, Status
 from ._evaluate import Evaluation, evaluate
 from ._plan import Blockers, blockers, plan
@@ -13,11 +14,13 @@ __all__ = [
     "SCENES",
     "Attempt",
     "Blockers",
+    "Cycle",
     "Decision",
     "Decisions",
     "Distance",
     "Errors",
     "Evaluation",
+    "Leg",
     "Programme",
     "Runs",
     "Sensitivity",
@@ -28,6 +31,7 @@ __all__ = [
     "Terms",
     "Weights",
     "blockers",
+    "cycle",
     "evaluate",
     "example_scene",
     "plan",

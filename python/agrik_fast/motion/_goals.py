@@ -25,7 +25,12 @@ _STARTS = 48
 
 
 def goals_of(
-    arm: Robot, targets: ArrayLike, *, starts: int = _STARTS, seed: int = 0
+    arm: Robot,
+    targets: ArrayLike,
+    *,
+    task: Literal["pose", "position"] = "pose",
+    starts: int = _STARTS,
+    seed: int = 0,
 ) -> tuple[FloatArray, bool]:
     """Find all postures that reach one of some targets.
 
@@ -36,8 +41,10 @@ def goals_of(
     Parameters
     ----------
     arm : Robot
-    targets : array_like, shape (4, 4) or (k, 4, 4)
-        Poses of the tool in the base frame, m.
+    targets : array_like, shape (4, 4) or (k, 4, 4); (3,) or (k, 3)
+        Poses of the tool in the base frame, m; points where the task is "position".
+    task : {"pose", "position"}, default "pose"
+        What is to be reached.
     starts : int, default 48
         Random starts of a search, for each target.
     seed : int, default 0
@@ -63,14 +70,22 @@ def goals_of(
     >>> len(goals) >= 8
     True
     """
-    poses = float_array("targets", targets).reshape(-1, 4, 4)
     whole_number("starts", starts, 1)
+    size = (4, 4) if word("task", task, ("pose", "position")) == "pose" else (3,)
+    given = float_array("targets", targets)
+    if given.shape[-len(size) :] != size or given.ndim > len(size) + 1:
+        expected = f"shape {size}, or rows of it"
+        raise ArgumentError("targets", f"shape {given.shape}", expected)
+    poses = given.reshape(-1, *size)
     found: list[FloatArray] = []
     reached = False
     for pose in poses:
         if not np.isfinite(pose).all():
             continue
-        q, within = _of_pose(arm, pose, starts, seed)
+        if task == "pose":
+            q, within = _of_pose(arm, pose, starts, seed)
+        else:
+            q, within = _searched(arm, pose, task, starts, seed)
         reached |= within
         found.append(q)
     return _distinct(np.concatenate([np.zeros((0, arm.dof)), *found])), reached
@@ -83,11 +98,19 @@ def _of_pose(arm: Robot, pose: FloatArray, starts: int, seed: int) -> tuple[Floa
         try:
             every = arm.ik_all(pose)
         except ArgumentError:
-            first = arm.random_q(starts, seed=seed)
-            tried = arm.ik(np.broadcast_to(pose, (starts, 4, 4)), q0=first, seed=seed)
-            q = np.asarray(tried.q[tried.success])
-            return q, len(q) > 0
+            return _searched(arm, pose, "pose", starts, seed)
     return np.asarray(every.q[every.valid]), bool(every.reached.any())
+
+
+def _searched(
+    arm: Robot, target: FloatArray, task: str, starts: int, seed: int
+) -> tuple[FloatArray, bool]:
+    """Return what searches from random starts end in."""
+    first = arm.random_q(starts, seed=seed)
+    many = np.broadcast_to(target, (starts, *target.shape))
+    tried = arm.ik(many, task, q0=first, seed=seed)
+    q = np.asarray(tried.q[tried.success])
+    return q, len(q) > 0
 
 
 def _distinct(q: FloatArray) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Any
 
@@ -147,6 +147,22 @@ class Plan:
     def certified(self) -> float:
         """Distance that is kept all along the path, m; 0 without one."""
         return float(self.clearance.min()) if len(self.clearance) else 0.0
+
+    def because(self, *, reached: bool) -> Plan:
+        """Return the same where there was no goal, with the reason for that.
+
+        Parameters
+        ----------
+        reached : bool
+            The target is reached, but only outside the limits.
+
+        Returns
+        -------
+        Plan
+        """
+        if self.status != PathStatus.NO_GOAL:
+            return self
+        return replace(self, status=PathStatus.JOINT_LIMITS if reached else PathStatus.OUT_OF_REACH)
 
     @classmethod
     def from_core(
