@@ -46,15 +46,17 @@ from agrik_fast.drivers._messages import Type
 from agrik_fast.errors import AgrikError
 from agrik_fast.tuning import Tuning
 
-# Files and the jobs over them have tests of their own, which damage them; papers write files, and
-# drawings are given axes.
+# Files and the jobs over them have tests of their own, which damage them; papers write files,
+# drawings are given axes, and torch and JAX are not installed everywhere.
 ELSEWHERE = (
     "agrik_fast.cli",
     "agrik_fast.cluster",
     "agrik_fast.harvest.drawing",
     "agrik_fast.io",
+    "agrik_fast.jax",
     "agrik_fast.jobs",
     "agrik_fast.papers",
+    "agrik_fast.torch",
 )
 # Exceptions and codes hold what they are given; tables of files are checked by their readers,
 # which turn the model's error into one of ours.

@@ -1,5 +1,7 @@
 """Harvest postures: whether an arm can pick a fruit among leaves, and how."""
 
+from ._crops import CropsJob
+from ._cutter import Cut, Cutter, cuts, with_cutter
 from ._cycle import Cycle, Leg, cycle
 from ._decisions import Attempt, Decision, Decisions, Stage, Status
 from ._evaluate import Evaluation, evaluate
@@ -14,6 +16,9 @@ __all__ = [
     "SCENES",
     "Attempt",
     "Blockers",
+    "CropsJob",
+    "Cut",
+    "Cutter",
     "Cycle",
     "Decision",
     "Decisions",
@@ -31,6 +36,7 @@ __all__ = [
     "Terms",
     "Weights",
     "blockers",
+    "cuts",
     "cycle",
     "evaluate",
     "example_scene",
@@ -38,5 +44,6 @@ __all__ = [
     "sensitivity",
     "simulate",
     "summary",
+    "with_cutter",
     "write_report",
 ]

@@ -23,7 +23,14 @@ GAP = 0.010
 
 
 class Status(IntEnum):
-    """What became of a target."""
+    """What became of a target.
+
+    Examples
+    --------
+    >>> found = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1", "C3"])
+    >>> [ik.harvest.Status(code).name for code in found.status]
+    ['OK', 'APPROACH_BLOCKED']
+    """
 
     OK = 0
     """There is a posture, free of collisions and within the limits."""
@@ -42,7 +49,14 @@ class Status(IntEnum):
 
 
 class Stage(IntEnum):
-    """Which part of the method found a posture, in the order in which they are tried."""
+    """Which part of the method found a posture, in the order in which they are tried.
+
+    Examples
+    --------
+    >>> found = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1"])
+    >>> ik.harvest.Stage(found.stage[0]).name
+    'FIRST'
+    """
 
     FIRST = 0
     """The best approach angle."""
@@ -70,6 +84,12 @@ class Attempt:
         Part of the method that made it.
     reached, within, admissible : int
         Postures: without regard to limits, within them, and free as well.
+
+    Examples
+    --------
+    >>> one = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1"])["C1"]
+    >>> one.attempts[0].admissible > 0
+    True
     """
 
     psi: float
@@ -122,6 +142,12 @@ class Decision:
     blockers_path : tuple of str or None
         Few removable objects without which a path is found, where there is a posture and no
         path; None where that does not help, or there is nothing to help.
+
+    Examples
+    --------
+    >>> one = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1"])["C1"]
+    >>> one.status.name, one.stage.name, one.q.shape
+    ('OK', 'FIRST', (7,))
     """
 
     name: str
@@ -182,6 +208,12 @@ class Decisions:
         Codes of `Stage`.
     refined, straight : ndarray of bool, shape (n,)
         A pattern search made it better; the wrist is nearly straight.
+
+    Examples
+    --------
+    >>> found = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1", "C3"])
+    >>> found.names, found.q.shape, found["C1"].name
+    (('C1', 'C3'), (2, 7), 'C1')
     """
 
     names: tuple[str, ...]
@@ -289,7 +321,14 @@ class Decisions:
         return tuple(found)
 
     def shares(self) -> dict[str, float]:
-        """Return the share of the targets with each status that occurs, most frequent first."""
+        """Return the share of the targets with each status that occurs, most frequent first.
+
+        Examples
+        --------
+        >>> found = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1", "C3"])
+        >>> found.shares()
+        {'OK': 0.5, 'APPROACH_BLOCKED': 0.5}
+        """
         codes, counts = np.unique(self.status, return_counts=True)
         order = np.argsort(-counts, kind="stable")
         total = max(1, len(self))

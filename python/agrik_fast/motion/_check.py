@@ -203,7 +203,7 @@ def check(
     True
     """
     q = waypoints(path, checked_arm(arm).dof)
-    options = _options(clear, own_clear, cap, tolerance, max_checks)
+    options = options_of(clear, own_clear, cap, tolerance, max_checks)
     collider = scene_of(scene).collider(arm)
     columns = _native.motion_check(collider, q, None, options, threads)
     to = q if len(q) == 1 else q[1:]
@@ -253,7 +253,7 @@ def check_segments(
     a, b = rows("start", start, dof), rows("end", end, dof)
     if a.shape != b.shape:
         raise ArgumentError("end", f"shape {b.shape}", f"shape {a.shape}, as start has")
-    options = _options(clear, own_clear, cap, tolerance, max_checks)
+    options = options_of(clear, own_clear, cap, tolerance, max_checks)
     collider = scene_of(scene).collider(arm)
     columns = _native.motion_check(collider, a, b, options, threads)
     return _checked(arm, collider, a, b, columns)
@@ -319,7 +319,7 @@ def inside(arm: Robot, q: FloatArray) -> bool:
     return bool(((q >= arm.lower - 1e-9) & (q <= arm.upper + 1e-9)).all())
 
 
-def _options(
+def options_of(
     clear: float, own: float | None, cap: float | None, tolerance: float, max_checks: int
 ) -> dict[str, Any]:
     return {

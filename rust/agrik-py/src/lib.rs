@@ -15,6 +15,7 @@ mod robot;
 mod single_use;
 mod solvers;
 mod threads;
+mod time_law;
 
 use pyo3::prelude::*;
 
@@ -63,6 +64,8 @@ mod _native {
     use solvers::tune::Tuner;
     #[pymodule_export]
     use threads::{get_num_threads, set_num_threads, simd_level};
+    #[pymodule_export]
+    use time_law::Motion;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
