@@ -14,10 +14,12 @@ import agrik_fast as ik
 import path_checker
 import spec_scenes
 from agrik_fast import motion
-from agrik_fast.collision import Body, Capsule, Scene, SceneObject, Sphere
+from agrik_fast.collision import Body, Capsule, CollisionRules, Scene, SceneObject, Sphere
 from agrik_fast.errors import ArgumentError
 
 LoadRobot = Callable[[str], ik.Robot]
+REST = np.array([0, 0, 0, -1.5, 0, 1.5, 0])
+"""A posture of the panda that is free."""
 DATA = Path(__file__).resolve().parents[2] / "rust/agrik-motion/tests/data"
 
 
@@ -48,11 +50,16 @@ def test_problems_of_the_panda(row: dict[str, Any], load_robot: LoadRobot) -> No
 
 
 def with_ball(arm: ik.Robot) -> ik.Robot:
-    """Return the arm of the window problem, which holds a ball."""
+    """Return the arm of the window problem, which has a ball for a hand."""
     file = json.loads((DATA / "panda_tool.json").read_text())
     ball = next(body for body in file["bodies"] if body["name"] == "toolball")
-    shape = Sphere(ball["centre"], ball["radius"])
-    return arm.attach(Body("toolball", ball["frame"], shape), may_touch_target=False)
+    kept = [body for body in arm.bodies if body.name not in ("hand", "fingers")]
+    assert [body.name for body in kept] == [body["name"] for body in file["bodies"][:-1]]
+    # The last frame of the file is the joint's; ours is the flange's, 107 mm behind it.
+    x, y, z = ball["centre"]
+    shape = Sphere([x, y, z - 0.107], ball["radius"])
+    rules = CollisionRules(pairs=[tuple(pair) for pair in file["self_pairs"]])
+    return arm.with_bodies([*kept, Body("toolball", kept[-1].frame, shape)], rules)
 
 
 def test_a_ball_that_is_shut_in_is_a_proof(load_robot: LoadRobot) -> None:
@@ -166,9 +173,9 @@ def test_a_fruit_on_the_way_is_not_swept_by_the_gripper(load_robot: LoadRobot) -
     arm = load_robot("panda")
     rules = arm.collision_rules.may_touch_target
     assert rules
-    a, b = arm.home.copy(), arm.home.copy()
+    a, b = REST.copy(), REST.copy()
     a[0], b[0] = -0.8, 0.8
-    at = arm.fk(arm.home)[:3, 3]
+    at = arm.fk(REST)[:3, 3]
     fruit = SceneObject.of("fruit", Sphere(at, 0.03))
     there = Target((at[0], at[1], at[2] + 1.0), ("fruit",))
 
@@ -196,7 +203,7 @@ def test_a_fruit_on_the_way_is_not_swept_by_the_gripper(load_robot: LoadRobot) -
 )
 def test_bad_input_is_named(arguments: dict[str, Any], words: str, load_robot: LoadRobot) -> None:
     arm = load_robot("panda")
-    given: dict[str, Any] = {"start": arm.home, "goals": arm.home, **arguments}
+    given: dict[str, Any] = {"start": REST, "goals": REST, **arguments}
     with pytest.raises((ArgumentError, ValueError), match=words):
         motion.plan(arm, **given)
 
@@ -222,7 +229,7 @@ def test_settings_are_checked(name: str, value: Any) -> None:
 
 def test_a_held_thing_is_part_of_the_arm(load_robot: LoadRobot) -> None:
     arm = load_robot("panda").attach(Capsule([0, 0, 0], [0, 0, 0.4], 0.02), "tool", name="stick")
-    start, goal = arm.home.copy(), arm.home.copy()
+    start, goal = REST.copy(), REST.copy()
     goal[0] = 1.2
     post = SceneObject.of("post", Sphere([0.75, 0.35, 0.2], 0.08))
     found = motion.plan(arm, start, goal, Scene([post]))
