@@ -28,7 +28,10 @@ def rows() -> Scene:
 def test_every_path_is_accepted_by_a_second_judge(load_robot: LoadRobot, rows: Scene) -> None:
     arm = load_robot("cucumber")
     named = ["C1", "C2", "C3", "C4", "too_far"]
-    crops: list[tuple[Scene, Any]] = [(harvest.example_scene(), named), (rows, list(rows.targets)[:2])]
+    crops: list[tuple[Scene, Any]] = [
+        (harvest.example_scene(), named),
+        (rows, list(rows.targets)[:2]),
+    ]
     accepted = 0
     for scene, names in crops:
         found = harvest.plan(arm, scene, names, path=True, start=START)
@@ -49,9 +52,7 @@ def test_every_path_is_accepted_by_a_second_judge(load_robot: LoadRobot, rows: S
             np.testing.assert_array_equal(path.path[0], START)
             target = scene.targets[one.name]
             np.testing.assert_allclose(arm.fk(path.path[-1])[:3, 3], target.point, atol=1e-5)
-            judged = path_checker.judge(
-                "cucumber", path.path, scene, arm.self_pairs.asked, target
-            )
+            judged = path_checker.judge("cucumber", path.path, scene, arm.self_pairs.asked, target)
             assert judged.within_limits
             assert 0.002 <= path.certified <= judged.least + 1e-9
             accepted += 1

@@ -23,7 +23,7 @@ def plan(
     *,
     clear: float,
     seed: int,
-) -> tuple[Robot, motion.Plan]:
+) -> tuple[Robot, Scene, motion.Plan]:
     """Plan from a posture to a target: a name of the scene, a point, a pose, or joint values.
 
     Raises
@@ -36,7 +36,7 @@ def plan(
     first = arm.home if start is None else np.array(numbers("--start", start, (arm.dof,)))
     settings = motion.Settings(clear=clear, seed=seed)
     if target in around.targets:
-        return arm, _to_fruit(arm, around, first, target, settings)
+        return arm, around.aiming_at(target), _to_fruit(arm, around, first, target, settings)
     try:
         values = np.array(numbers("--target", target, tuple({3, 6, arm.dof})))
     except ArgumentError:
@@ -48,16 +48,16 @@ def plan(
         if not target.startswith("q="):
             raise ArgumentError("--target", repr(target), expected) from None
         values = np.array(numbers("--target", target[2:], (arm.dof,)))
-        return arm, motion.plan(arm, first, values, around, settings=settings)
+        return arm, around, motion.plan(arm, first, values, around, settings=settings)
     if len(values) == 3:
         goals, reached = motion.goals_of(arm, values, task="position", seed=seed)
         found = motion.plan(arm, first, goals, around, settings=settings, prefer="near")
-        return arm, found if len(goals) else found.because(reached=reached)
+        return arm, around, found if len(goals) else found.because(reached=reached)
     if len(values) != 6:
         expected = f"q= before joint values, as in q={target}"
         raise ArgumentError("--target", repr(target), expected)
     wanted = pose(values[:3], rpy=values[3:])
-    return arm, motion.plan(arm, first, wanted, around, settings=settings)
+    return arm, around, motion.plan(arm, first, wanted, around, settings=settings)
 
 
 def _to_fruit(
@@ -75,6 +75,16 @@ def _to_fruit(
         plan = motion.plan(arm, start, goals, aimed, settings=settings, prefer="near")
         return plan if len(goals) else plan.because(reached=reached)
     return found.paths[0]
+
+
+def trajectory(
+    arm: Robot, scene: Scene, found: motion.Plan, *, blend: float, clear: float
+) -> motion.Trajectory:
+    """Return a path with its times, its corners rounded as far as that is proven."""
+    if len(found.path) == 1:
+        raise ArgumentError("--target", "where the arm is already", "another posture")
+    way = motion.rounded(arm, found, scene, blend=blend, clear=clear)
+    return motion.time_law(arm, way)
 
 
 def lines(found: motion.Plan) -> list[str]:
