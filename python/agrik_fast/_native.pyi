@@ -1581,6 +1581,24 @@ class HarvestStation:
     ) -> dict[str, Any]:
         """Decide for targets, shape (n, 3), m; with `scan_all` by a scan of everything."""
 
+    def plan_paths(
+        self,
+        points: ArrayLike,
+        objects: Sequence[Sequence[int]],
+        names: Sequence[str],
+        start: ArrayLike,
+        motion: dict[str, Any],
+        touch_radius: float,
+        settings: dict[str, Any] | None = None,
+        blockers: bool = True,
+        threads: int | None = None,
+    ) -> dict[str, Any]:
+        """Decide for targets, and plan the ways from `start` into their postures.
+
+        Besides the columns of `plan` the record has ``paths`` (as `motion_plan` returns them),
+        ``goals`` (all postures that were goals) and ``blockers_path`` (indices or None).
+        """
+
     def blockers(
         self,
         points: ArrayLike,
@@ -1663,3 +1681,36 @@ class HarvestProgramme:
 
 def harvest_words() -> tuple[list[str], list[str]]:
     """Return the names of the statuses and of the stages of a decision, at their codes."""
+
+def motion_check(
+    collider: Collider,
+    path: ArrayLike,
+    to: ArrayLike | None = None,
+    settings: dict[str, Any] | None = None,
+    threads: int | None = None,
+) -> dict[str, Any]:
+    """Say what is known of the straight ways between the rows of a path; see `motion.check`.
+
+    With `to` of those from the rows of `path` to its rows, one each.
+    """
+
+def motion_corners(
+    collider: Collider,
+    start: ArrayLike,
+    corner: ArrayLike,
+    end: ArrayLike,
+    settings: dict[str, Any],
+    threads: int | None = None,
+) -> NDArray[np.bool_]:
+    """Say of triangles of postures, whose vertices are rows of three arrays, which are free."""
+
+def motion_plan(
+    collider: Collider, start: ArrayLike, goals: ArrayLike, settings: dict[str, Any]
+) -> dict[str, Any]:
+    """Plan from a posture to one of some goals, shape (m, dof), the best first.
+
+    See `agrik_fast.motion.plan`.
+    """
+
+def motion_words() -> tuple[list[str], list[str], list[str]]:
+    """Return the names of outcomes, statuses of plans and ways to find one, at their codes."""

@@ -430,6 +430,13 @@ def harvest(
     tilt_deg: _harvest_options.Tilt = 0.0,
     shift: _harvest_options.Shift = 0.0,
     min_distance: _harvest_options.MinDistance = 0.005,
+    paths: Annotated[
+        bool, typer.Option("--path", help="Plan the ways into the postures as well.")
+    ] = False,
+    start: Annotated[
+        str | None,
+        typer.Option("--start", help="Where ways start, radians and metres; default: home."),
+    ] = None,
     threads: Annotated[
         int | None, typer.Option(min=1, help="Threads; by default all cores.")
     ] = None,
@@ -440,7 +447,8 @@ def harvest(
     """Decide for every fruit of a scene whether and how it can be picked.
 
     Writes harvest.csv (one row a fruit), harvest.json and pictures: the share that can be
-    picked, why not the rest, and which leaves block it.
+    picked, why not the rest, and which leaves block it. With --path also paths.json: for each
+    fruit the way into its posture, proven free, or why there is none.
     """
     with exit_codes() as kept:
         from ._harvest import check_folder, evaluate, lines, settings_of
@@ -479,6 +487,12 @@ def harvest(
         files = write_report(found, output, pictures=pictures, report=say)
         for line in lines(found):
             say(line)
+        if paths:
+            from ._harvest import write_paths
+
+            file, said = write_paths(found, output, start=start, threads=threads)
+            files.append(file)
+            say(said)
         with telling(f"files: {output}"):
             for file in files:
                 typer.echo(str(file))
@@ -538,6 +552,55 @@ def view(
             with telling():
                 typer.echo(f"{viewer.robot.name}: {viewer.url} (Ctrl-C ends it)")
             viewer.wait()
+
+
+@app.command()
+def plan(
+    robot: _options.Robot,
+    target: Annotated[
+        str,
+        typer.Option(
+            "--target",
+            help="A target of the scene by name, x,y,z in metres, x,y,z,roll,pitch,yaw with "
+            "radians, or q= and joint values.",
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Trajectory: .csv, .json, .npz, ...")
+    ],
+    scene: Annotated[
+        Path | None, typer.Option("--scene", help="What stands round it: .json or .toml.")
+    ] = None,
+    start: Annotated[
+        str | None,
+        typer.Option("--start", help="Start values in radians and metres; default: home."),
+    ] = None,
+    clear: Annotated[float, typer.Option(help="Distance kept from the scene, m.")] = 0.002,
+    blend: Annotated[
+        float, typer.Option(help="How much of a segment corners are rounded on, 0 to 0.5.")
+    ] = 0.4,
+    seed: Annotated[int, typer.Option(min=0, help="Which random numbers are drawn.")] = 0,
+    force: Annotated[
+        bool, typer.Option("--force", help="Write over a file that is there.")
+    ] = False,
+) -> None:
+    """Plan a path that is proven free, and write it as a trajectory.
+
+    Corners are rounded as far as that is proven too. Exit status 3 where there is no path; the
+    reason is said.
+    """
+    with exit_codes():
+        from ._motion import lines, trajectory
+        from ._motion import plan as planned
+
+        arm, around, found = planned(robot, scene, start, target, clear=clear, seed=seed)
+        for line in lines(found):
+            say(line)
+        if not found.ok:
+            raise typer.Exit(NOT_ALL_SOLVED)
+        made = trajectory(arm, around, found, blend=blend, clear=clear)
+        made.save(output, force=force)
+        say(f"{len(made.times)} points, {made.duration:.3f} s: {output}")
 
 
 @app.command()
