@@ -220,3 +220,61 @@ def project(camera: Any, place: Any) -> np.ndarray:
     height, width = camera.image_height, camera.image_width
     scale = height / 2 / np.tan(camera.fov / 2)
     return np.array([width / 2 + scale * across / away, height / 2 + scale * down / away])
+
+
+def the_camera(viewer: Any) -> Any:
+    """Return the camera of the page that was opened last, once it stands still."""
+    clients = wait_for(viewer._panel.server.get_clients, "a client")
+    camera = clients[max(clients)].camera
+    before = None
+    while before != (before := tuple(camera.position)):
+        time.sleep(0.3)
+    return camera
+
+
+def drag_axis(page: Page, viewer: Any, axis: int, by: float, *, touch: bool = False) -> None:
+    """Drag one arrow of the target's handle along its axis."""
+    camera, handle = the_camera(viewer), viewer._panel.stage.handle
+    pose = viewer.target
+    along = pose[:3, axis]
+    tip = pose[:3, 3] + 0.95 * handle.scale * along
+    page.drag(project(camera, tip), project(camera, tip + by * along), touch=touch)
+
+
+# In the page itself: from the first move of the pointer to the next change of the status.
+_WATCH = """
+window.agrikTimes = [];
+let begin = null, said = document.getElementById('agrik-status').innerText;
+document.addEventListener('pointermove', (e) => {
+  if ((e.buttons & 1) && begin === null) begin = performance.now();
+}, true);
+new MutationObserver(() => {
+  const now = document.getElementById('agrik-status');
+  if (!now || now.innerText === said) return;
+  said = now.innerText;
+  if (begin !== null) window.agrikTimes.push((performance.now() - begin) / 1000);
+  begin = null;
+}).observe(document.body, {subtree: true, childList: true, characterData: true});
+"""
+
+
+def drag_times(page: Page, viewer: Any, moves: int) -> np.ndarray:
+    """Drag the target to and fro; return the times from a move to the changed status, s."""
+    camera, handle = the_camera(viewer), viewer._panel.stage.handle
+    pose = viewer.target
+    along = pose[:3, 2]
+    tip = pose[:3, 3] + 0.95 * handle.scale * along
+    page.driver.execute_script(_WATCH)
+    page._mouse("mouseMoved", project(camera, tip))
+    time.sleep(0.5)
+    page._mouse("mousePressed", project(camera, tip), button="left", clickCount=1)
+    count = "return window.agrikTimes.length"
+    for number in range(1, moves + 1):
+        # Never the same place twice: each has its own numbers in the status.
+        by = -0.03 * (1 + number % 2) - 0.0004 * number
+        page._mouse("mouseMoved", project(camera, tip + by * along), button="left")
+        wait_for(
+            lambda number=number: page.driver.execute_script(count) >= number, "another status"
+        )
+    page._mouse("mouseReleased", project(camera, tip), button="left", clickCount=1)
+    return np.array(page.driver.execute_script("return window.agrikTimes"))

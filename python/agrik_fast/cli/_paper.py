@@ -8,6 +8,9 @@ from pathlib import Path
 from .. import papers
 from ..errors import ArgumentError, UnknownNameError
 
+ALL = "all"
+"""What stands for every paper on the command line."""
+
 
 def reproduce(
     name: str,
@@ -16,8 +19,9 @@ def reproduce(
     *,
     force: bool,
     experiments: str | None = None,
+    done: Callable[[str], None] | None = None,
 ) -> list[Path]:
-    """Write the files of a paper into a folder and return their paths.
+    """Write the files of a paper, or of all, into a folder and return their paths.
 
     Raises
     ------
@@ -28,12 +32,16 @@ def reproduce(
     AgrikError
         Matplotlib is missing.
     """
-    if name not in papers.PAPERS:
-        raise UnknownNameError("paper", name, papers.PAPERS)
+    if name not in (*papers.PAPERS, ALL):
+        raise UnknownNameError("paper", name, (*papers.PAPERS, ALL))
     if directory.exists() and not directory.is_dir():
         raise ArgumentError("output", f"the file {directory}", "a folder")
     if directory.is_dir() and any(directory.iterdir()) and not force:
         raise ArgumentError(
             "output", f"{directory}, which holds files", "an empty or new folder (or --force)"
         )
+    if name == ALL:
+        if experiments is not None:
+            raise ArgumentError("experiments", "it for all papers", "it for strawberry alone")
+        return papers.reproduce_all(directory, report, done=done)
     return papers.reproduce(name, directory, report, experiments=experiments)

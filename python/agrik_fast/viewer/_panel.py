@@ -205,7 +205,8 @@ class Panel:
 
     def _aim_numbers(self) -> None:
         self.session.aim_numbers([field.value for field in self._numbers])
-        self.refresh()
+        # A number that is being typed is not written over.
+        self.refresh(numbers=False)
 
     def _move_joints(self) -> None:
         kinds = self.session.robot.joint_types
@@ -276,6 +277,7 @@ class Panel:
         self,
         *,
         handle: bool = True,
+        numbers: bool = True,
         joints: bool = True,
         elbow: bool = True,
         branches: bool = True,
@@ -291,8 +293,9 @@ class Panel:
         # Of many drags in a row only the last has to be read.
         if self.worker.waiting() and time.monotonic() - self._said < _TEXT_EVERY:
             return
-        for field, value in zip(self._numbers, session.numbers(), strict=True):
-            field.value = round(value, 5 if "[m]" in field.label else 3)
+        if numbers:
+            for field, value in zip(self._numbers, session.numbers(), strict=True):
+                field.value = round(value, 5 if "[m]" in field.label else 3)
         if joints:
             kinds = session.robot.joint_types
             for slider, kind, value in zip(self._joints, kinds, session.q, strict=True):
