@@ -52,6 +52,7 @@ def chromium() -> Iterator[Any]:
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"performance": "ALL"})
     driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    driver.set_script_timeout(60)
     try:
         yield Page(driver)
     finally:
@@ -80,6 +81,18 @@ class Page:
         with_notice = wait_for(lambda: self.find(".mantine-Notification-closeButton"), "the notice")
         for button in with_notice:
             self.click(button)
+        # Its first picture takes a browser without a graphics card long: what it draws with is
+        # compiled then.
+        wait_for(lambda: self._frames(0.5) >= 5, "a picture that moves", 60.0)
+
+    def _frames(self, seconds: float) -> int:
+        """Return how many pictures are drawn in a time."""
+        script = (
+            "const [seconds, done] = arguments, begin = performance.now(); let n = 0;"
+            "const next = () => { n++; if (performance.now() - begin > 1000 * seconds)"
+            " done(n); else requestAnimationFrame(next); }; requestAnimationFrame(next)"
+        )
+        return int(self.driver.execute_async_script(script, seconds))
 
     def requested(self) -> set[str]:
         """Return all addresses that the pages asked for so far."""
@@ -187,7 +200,8 @@ class Page:
 
     def _mouse(self, kind: str, place: Any, **more: Any) -> None:
         x, y = map(float, place)
-        self._order("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
+        held = int("button" in more and kind != "mouseReleased")
+        self._order("Input.dispatchMouseEvent", type=kind, x=x, y=y, buttons=held, **more)
 
     def _touch(self, kind: str, place: Any) -> None:
         x, y = map(float, place)

@@ -24,7 +24,7 @@ _FIELDS = ("x [m]", "y [m]", "z [m]", "roll [deg]", "pitch [deg]", "yaw [deg]")
 _WORD_COLOURS = {True: "#00507d", False: "#a84300"}
 _BRANCHES = "all branches"
 # Below the window with status and robot, px.
-_TABS_AT, _TABS_WIDE = 265, 320
+_TABS_AT, _TABS_WIDE = 280, 320
 
 
 class Panel:
@@ -308,7 +308,8 @@ class Panel:
             self._elbow_words.content = session.elbow_intervals()
         if branches and self._all.value and not self.worker.waiting():
             self._show_branches()
-        lines = [outcome.nearness, self.note]
+        place = "target " + ", ".join(f"{value:.3f}" for value in session.target[:3, 3]) + " m"
+        lines = [outcome.nearness, place, self.note]
         self.say(outcome.headline, *filter(None, lines), good=outcome.good)
 
     def say(self, first: str, *more: str, good: bool) -> None:
