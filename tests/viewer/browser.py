@@ -83,7 +83,7 @@ class Page:
             self.click(button)
         # Its first picture takes a browser without a graphics card long: what it draws with is
         # compiled then.
-        wait_for(lambda: self._frames(0.5) >= 5, "a picture that moves", 60.0)
+        wait_for(lambda: self._frames(1.0) >= 3, "a picture that moves", 60.0)
 
     def _frames(self, seconds: float) -> int:
         """Return how many pictures are drawn in a time."""

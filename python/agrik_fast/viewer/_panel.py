@@ -320,7 +320,7 @@ class Panel:
         style = (
             f"margin:0.4em 0.8em;padding-left:0.6em;color:{colour};"
             f"border-left:4px {'solid' if good else 'dashed'} {colour};font-size:0.9em;"
-            "min-height:4.6em"
+            "height:6em;overflow:auto"
         )
         rest = "".join(f"<div>{html.escape(line)}</div>" for line in more)
         self._status.content = (
