@@ -46,15 +46,18 @@ from agrik_fast.drivers._messages import Type
 from agrik_fast.errors import AgrikError
 from agrik_fast.tuning import Tuning
 
-# Files and the jobs over them have tests of their own, which damage them; papers write files, and
-# drawings are given axes.
+# Files and the jobs over them have tests of their own, which damage them; papers and
+# viewers write files and start servers, and drawings are given axes.
 ELSEWHERE = (
     "agrik_fast.cli",
     "agrik_fast.cluster",
+    "agrik_fast.collision.drawing",
     "agrik_fast.harvest.drawing",
     "agrik_fast.io",
     "agrik_fast.jobs",
     "agrik_fast.papers",
+    "agrik_fast.plots",
+    "agrik_fast.viewer",
 )
 # Exceptions and codes hold what they are given; tables of files are checked by their readers,
 # which turn the model's error into one of ours.
@@ -64,7 +67,7 @@ ANSWERS = {
     "Arrival", "Attempt", "Blockers", "Branches", "Command", "Commands", "Decision", "Decisions",
     "DhRow", "Distances", "Evaluation", "ExcludedPair", "Family", "IkResult", "LinkStatistics",
     "PacedResult", "Path", "Programme", "Report", "RigStatus", "Run", "Runs", "SelfPairs",
-    "Sensitivity", "Simulated", "Straightened", "StrawberryResult", "Terms", "TomatoBranches",
+    "Sensitivity", "Simulated", "Straightened", "StrawberryResult", "Surface", "Terms", "TomatoBranches",
     "TomatoResult", "Torques",
 }  # fmt: skip
 # Objects and files, for which nothing but their own kind makes sense: what is none at all is the

@@ -558,9 +558,10 @@ def paper(
     and one page, index.html, with every table and picture. Needs the extra `papers`.
     """
     with exit_codes() as kept:
-        from ._paper import ALL, reproduce
+        from ._paper import ALL, check, reproduce
         from .progress import for_stream
 
+        check(name, output, force=force, experiments=experiments)
         kept.what = lambda: f"files that were finished are in {output}"
         if name == ALL:
             with for_stream(sys.stderr) as bar:
@@ -569,8 +570,6 @@ def paper(
                     name,
                     output,
                     bar.note,
-                    force=force,
-                    experiments=experiments,
                     done=lambda _: bar.advance(1),
                 )
         else:
@@ -578,7 +577,6 @@ def paper(
                 name,
                 output,
                 lambda line: say(f"{name}: {line}"),
-                force=force,
                 experiments=experiments,
             )
         with telling(f"files: {output}"):

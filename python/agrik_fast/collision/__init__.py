@@ -18,7 +18,6 @@ from ._content import Target
 from ._crop import fruit, leaf, pipe, row, stalk, stem, wire
 from ._greenhouse import greenhouse, greenhouse_document
 from ._objects import SceneObject
-from ._pictures import draw_scene
 from ._queries import Distances
 from ._scene import Scene, document_of, from_document
 
@@ -40,7 +39,6 @@ __all__ = [
     "Sphere",
     "Target",
     "document_of",
-    "draw_scene",
     "from_document",
     "fruit",
     "greenhouse",

@@ -23,8 +23,8 @@ _FIELDS = ("x [m]", "y [m]", "z [m]", "roll [deg]", "pitch [deg]", "yaw [deg]")
 # Dark enough to be read on white: contrast 7.2 and 5.9.
 _WORD_COLOURS = {True: "#00507d", False: "#a84300"}
 _BRANCHES = "all branches"
-# Below the window with status and robot, px.
-_TABS_AT, _TABS_WIDE = 280, 320
+# Below the window with the status, px.
+_TABS_AT, _TABS_WIDE = 175, 320
 
 
 class Panel:
@@ -53,13 +53,6 @@ class Panel:
         gui = server.gui
         gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 80, 125))
         self._status = gui.add_html("")
-        names = Robot.names()
-        source = session.source
-        self._robot = gui.add_dropdown(
-            "robot", names if source in names else (source, *names), initial_value=source
-        )
-        self._solver = gui.add_dropdown("solver", solvers(), initial_value=session.solver)
-        self._task = gui.add_dropdown("task", TASKS, initial_value=session.task)
         # A window of its own: on a phone it is folded away, and the status stays.
         self.tabs = gui.add_panel()
         self.tabs.float(x=-15, y=_TABS_AT, width=_TABS_WIDE)
@@ -76,7 +69,14 @@ class Panel:
     # -- widgets -----------------------------------------------------------------------------
 
     def _target_tab(self) -> None:
-        gui = self.server.gui
+        gui, session = self.server.gui, self.session
+        names = Robot.names()
+        source = session.source
+        self._robot = gui.add_dropdown(
+            "robot", names if source in names else (source, *names), initial_value=source
+        )
+        self._solver = gui.add_dropdown("solver", solvers(), initial_value=session.solver)
+        self._task = gui.add_dropdown("task", TASKS, initial_value=session.task)
         self._numbers = [
             gui.add_number(label, 0.0, step=0.001 if "[m]" in label else 0.1) for label in _FIELDS
         ]
