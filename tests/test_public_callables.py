@@ -67,8 +67,8 @@ ANSWERS = {
     "Arrival", "Attempt", "Blockers", "Branches", "Command", "Commands", "Decision", "Decisions",
     "DhRow", "Distances", "Evaluation", "ExcludedPair", "Family", "IkResult", "LinkStatistics",
     "PacedResult", "Path", "Programme", "Report", "RigStatus", "Run", "Runs", "SelfPairs",
-    "Sensitivity", "Simulated", "Straightened", "StrawberryResult", "Surface", "Terms", "TomatoBranches",
-    "TomatoResult", "Torques",
+    "Sensitivity", "Simulated", "Straightened", "StrawberryResult", "Surface", "Terms",
+    "TomatoBranches", "TomatoResult", "Torques",
 }  # fmt: skip
 # Objects and files, for which nothing but their own kind makes sense: what is none at all is the
 # type checker's business, as it is for `Robot(definition)`, which users do not call.
