@@ -60,17 +60,21 @@ from agrik_fast.vision import (
 )
 from agrik_fast.vision import Scene as DrawnScene
 
-# Files and the jobs over them have tests of their own, which damage them; papers write files,
-# drawings are given axes, and torch and JAX are not installed everywhere.
+# Files and the jobs over them have tests of their own, which damage them; papers and viewers
+# write files and start servers, drawings are given axes, and torch and JAX are not installed
+# everywhere.
 ELSEWHERE = (
     "agrik_fast.cli",
     "agrik_fast.cluster",
+    "agrik_fast.collision.drawing",
     "agrik_fast.harvest.drawing",
     "agrik_fast.io",
     "agrik_fast.jax",
     "agrik_fast.jobs",
     "agrik_fast.papers",
     "agrik_fast.torch",
+    "agrik_fast.plots",
+    "agrik_fast.viewer",
 )
 # Exceptions and codes hold what they are given; tables of files are checked by their readers,
 # which turn the model's error into one of ours.
@@ -82,8 +86,8 @@ ANSWERS = {
     "Evaluation", "ExcludedPair", "Family", "FruitTruth", "IkResult", "JointPath",
     "LinkStatistics", "LongFruit", "Obstacle", "PacedResult", "Path", "PathSensitivity", "Plane",
     "PointingStep", "Programme", "Rendering", "Report", "RigStatus", "Run", "Runs", "SelfPairs",
-    "Sensitivity", "Simulated", "Straightened", "StrawberryResult", "Terms", "TomatoBranches",
-    "TomatoResult", "Torques", "Track", "Trajectory",
+    "Sensitivity", "Simulated", "Straightened", "StrawberryResult", "Surface", "Terms",
+    "TomatoBranches", "TomatoResult", "Torques", "Track", "Trajectory",
 }  # fmt: skip
 # Objects and files, for which nothing but their own kind makes sense: what is none at all is the
 # type checker's business, as it is for `Robot(definition)`, which users do not call.
