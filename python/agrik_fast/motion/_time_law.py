@@ -135,7 +135,11 @@ def _way(
         smooth = smooth if smooth is not None or blend is not None else True
     else:
         waypoints = path
-    return arm.joint_path(waypoints, blend=blend or 0.0, smooth=bool(smooth))
+    return arm.joint_path(
+        waypoints,
+        blend=0.0 if blend is None else blend,
+        smooth=False if smooth is None else smooth,
+    )
 
 
 def _check_reached(reached: bool, count: int, targets: int) -> None:
