@@ -151,8 +151,8 @@ def test_points_are_at_a_fixed_rate_or_one_a_phase() -> None:
     again = pickle.loads(pickle.dumps(trajectory))
     assert (again.positions == trajectory.positions).all()
     assert again.rate == 100.0
-    shaped = trajectory.at(np.zeros((2, 3)))
-    assert shaped[0].shape == (2, 3, 6)
+    for shape in ((2, 3), (0,), ()):
+        assert trajectory.at(np.zeros(shape))[0].shape == (*shape, 6)
 
 
 def test_what_does_not_move_takes_no_time() -> None:

@@ -154,7 +154,7 @@ class Trajectory:
         if not np.isfinite(asked).all():
             raise ArgumentError("times", "NaN or infinity", "finite numbers")
         found = self._motion.at(np.ascontiguousarray(asked.ravel()))
-        q, v, a = (block.reshape(*asked.shape, -1) for block in found[:3])
+        q, v, a = (block.reshape(*asked.shape, len(self._names)) for block in found[:3])
         return q, v, a
 
     def sampled(self, rate: float | None) -> Trajectory:

@@ -248,7 +248,8 @@ class Lines:
         task: Task | str | None,
         max_joint_step: ArrayLike,
     ) -> JointPath:
-        targets = poses[:, :3, 3] if task == "position" else poses
+        points = isinstance(task, str) and task == "position"
+        targets = poses[:, :3, 3] if points else poses
         found = self.follow(targets, start, max_joint_step, task)
         bad = ~found.success | found.discontinuity
         reached = int(np.argmax(bad)) if bad.any() else len(bad)
