@@ -84,7 +84,8 @@ def time_law(
         raise ArgumentError("arm", shown(arm), "a Robot")
     way = _way(arm, path, blend, smooth)
     factor = real_number("scale", scale, 0.0, 1.0, open_low=True)
-    limited = arm.with_motion_limits(velocity, acceleration, jerk)
+    given = (velocity, acceleration, jerk)
+    limited = arm if all(one is None for one in given) else arm.with_motion_limits(*given)
     limits = np.stack(
         [
             limited.velocity_limits * factor,
