@@ -218,6 +218,7 @@ class Run:
                 if not group and again:
                     group = [again.popleft()]
                 if not group:
+                    runner.share_out()
                     break
                 runner.submit(group)
             if not runner.busy():
