@@ -21,7 +21,7 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run test lint format bench callgrind aarch64 sanitize miri wheel docs clean build oracle \
-	firmware rigs rigs-full gradients \
+	firmware rigs rigs-full browser gradients \
 	damaged fuzz-arms fuzz-sample robustness rust-lint rust-test python-lint python-test
 
 help: ## say what every target does
@@ -73,6 +73,10 @@ rigs-full: build $(VENV)/.dev firmware ## an hour of simulated work and faults o
 	PYTHONPATH=tests $(PY) tests/rigs_soak.py --minutes 60
 	$(PY) -m pytest tests/drivers/test_link.py --requests 5000 --timeout 900
 
+browser: build $(VENV)/.dev ## the viewer in Chromium (sets itself up on Debian as root)
+	.ci/browser
+	AGRIK_BROWSER=1 $(PY) -m pytest -m browser
+
 damaged: build $(VENV)/.dev ## 2,000 damaged files: no traceback, < 500 MB, < 5 s each
 	$(PY) tests/io/damaged_files.py --files 2000
 
@@ -89,13 +93,14 @@ wheel: $(VENV)/.build ## the wheel for this platform, in target/wheels
 	rm -rf $(WHEELS)
 	$(PY) -m maturin build --release $(LOCKED) --interpreter $(PY) --out $(WHEELS)
 
-docs: build $(VENV)/.docs ## the documentation as HTML in docs/_build/html; a warning is an error
+docs: build $(VENV)/.docs ## the documentation as HTML in docs/_build/html; a warning or a dead link is an error
 	$(PY) -m sphinx -W --keep-going --quiet -b html docs docs/_build/html
+	$(PY) tools/check_site.py docs/_build/html
 	@echo 'docs/_build/html/index.html'
 
 clean: ## remove what the other targets made, the environments included
 	cargo clean
-	rm -rf firmware/build .venv .venv-* dist docs/_build docs/_generated examples/results benches/results
+	rm -rf firmware/build .venv .venv-* dist docs/_build docs/_generated docs/tutorials examples/results benches/results
 	rm -rf .mypy_cache .pytest_cache .ruff_cache .hypothesis
 	rm -f python/agrik_fast/_native*.so
 	find python tests examples benches docs tools -name __pycache__ -prune -exec rm -rf {} +
@@ -138,6 +143,8 @@ python-test: build $(VENV)/.dev
 	$(PY) -m pytest $(if $(MARK),-m '$(MARK)')
 	@command -v avr-gcc >/dev/null || \
 		echo "NOT CHECKED: firmware and rigs, for want of an AVR compiler (see make firmware)"
+	@command -v chromedriver >/dev/null || \
+		echo "NOT CHECKED: the viewer in a browser, for want of Chromium (see make browser)"
 	@echo "... NOT CHECKED: agrik_fast.torch and agrik_fast.jax, which make gradients tries"
 
 # ---- environments: a stamp file for each, so that a second call is quick ------------------------

@@ -8,6 +8,9 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "tools")]
 
 import generate  # noqa: E402 - found only after the line above
+import links  # noqa: E402
+
+from agrik_fast.drivers import Simulator, SimulatorError  # noqa: E402
 
 project = "agrik_fast"
 author = "the agrik_fast contributors"
@@ -16,35 +19,67 @@ release = version = importlib.metadata.version("agrik_fast")
 
 extensions = [
     "autoapi.extension",
+    "mathml",
     "myst_parser",
     "sphinx.ext.autodoc",
-    "sphinx.ext.mathjax",
     "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+    "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "_generated", "hardware"]
+exclude_patterns = ["_build", "_generated", "gallery", "hardware"]
 myst_enable_extensions = ["deflist", "dollarmath"]
 myst_heading_anchors = 3
+# A name in single backticks is a link where the reference has it.
+default_role = "py:obj"
 
 html_theme = "pydata_sphinx_theme"
 html_title = "agrik_fast"
 html_show_copyright = False
+html_static_path = ["_static"]
+html_css_files = ["agrik.css"]
+html_math_renderer = "mathml"
 html_theme_options = {
     "navigation_with_keys": False,
     "show_prev_next": True,
     "secondary_sidebar_items": ["page-toc"],
+    "pygments_light_style": "a11y-high-contrast-light",
+    "pygments_dark_style": "a11y-high-contrast-dark",
 }
-html_sidebars = {
-    "index": [],
-    "getting-started": [],
-    "conventions": [],
-    "robots": [],
-    "solvers": [],
-    "population": [],
-    "paths": [],
-    "closed-forms": [],
-    "collision": [],
-    "hardware": [],
-    "cluster": [],
+html_sidebars = {"index": []}
+# What a copy button takes: commands without the prompts and without what they print.
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
+
+
+def simulated_rigs() -> bool:
+    """Return whether the boards' programs are there, or can be compiled."""
+    try:
+        Simulator().close()
+    except SimulatorError as error:
+        print(f"NOT RUN: the tutorial of the simulated rig ({error})")
+        return False
+    return True
+
+
+# Scripts whose names begin with tutorial_ run at every build. Without an AVR compiler that of
+# the simulated rig is shown and not run.
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "tutorials",
+    "filename_pattern": r"/tutorial_" if simulated_rigs() else r"/tutorial_(?!.*_rig)",
+    "within_subsection_order": "FileNameSortKey",
+    "backreferences_dir": None,
+    "abort_on_example_error": False,
+    "only_warn_on_example_error": False,
+    "plot_gallery": True,
+    "download_all_examples": False,
+    "copyfile_regex": r".*\.(urdf|toml)",
+    "remove_config_comments": True,
+    "show_memory": False,
+    "show_signature": False,
+    "min_reported_time": 5,
+    # That page would load scripts from elsewhere.
+    "write_computation_times": False,
 }
 
 # The API pages are read from the sources and, for the compiled module, from its stub,
@@ -68,3 +103,4 @@ def without_text(app, what, name, member, skip, options):
 def setup(app):
     app.connect("builder-inited", lambda app: generate.main(HERE / "_generated"))
     app.connect("autodoc-skip-member", without_text)
+    app.connect("missing-reference", links.resolve)

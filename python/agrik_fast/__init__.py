@@ -9,7 +9,18 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from . import arms as arms
     from . import cluster as cluster
-    from . import collision, errors, euler, harvest, rotations, solvers, tasks
+    from . import (
+        collision,
+        errors,
+        euler,
+        harvest,
+        motion,
+        plots,
+        rotations,
+        solvers,
+        tasks,
+        viewer,
+    )
     from . import drivers as drivers
     from . import io as io
     from . import jobs as jobs
@@ -54,9 +65,12 @@ __all__ = [
     "euler",
     "get_num_threads",
     "harvest",
+    "motion",
+    "plots",
     "rotations",
     "set_num_threads",
     "simd_level",
     "solvers",
     "tasks",
+    "viewer",
 ]

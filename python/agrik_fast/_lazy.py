@@ -11,6 +11,7 @@ MODULE_OF = {
     "Branches": "result",
     "Family": "result",
     "IkResult": "result",
+    "JointPath": "robot",
     "Path": "robot",
     "Robot": "robot",
     "RobotFileError": "errors",
@@ -39,13 +40,16 @@ MODULES = (
     "io",
     "jax",
     "jobs",
+    "motion",
     "papers",
+    "plots",
     "rotations",
     "solvers",
     "tasks",
     "torch",
     "tune",
     "tuning",
+    "viewer",
 )
 """Modules that are names of the package without being imported first."""
 

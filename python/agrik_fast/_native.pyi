@@ -60,6 +60,49 @@ class JointSpec(TypedDict):
     link: NotRequired[str | None]
 
 @final
+class Motion:
+    """A motion along a way, from rest to rest within the limits of the joints.
+
+    Through waypoints, shape (n, dof), whose segments have `lengths`, shape (n - 1,): with
+    corners rounded by `blends`, shape (n,), or as one smooth curve where it is None; `limits`,
+    shape (3, dof), are those of velocity, acceleration and jerk, `speed` one along the way.
+    """
+
+    def __new__(
+        cls,
+        waypoints: ArrayLike,
+        lengths: ArrayLike,
+        blends: ArrayLike | None,
+        limits: ArrayLike,
+        speed: float,
+    ) -> Motion: ...
+    @property
+    def duration(self) -> float:
+        """Duration, s."""
+
+    @property
+    def length(self) -> float:
+        """Length of the way, in the measure of the segments' lengths."""
+
+    @property
+    def deviation(self) -> float:
+        """How far a rounded corner leaves its waypoint at most, in any joint value, rad or m."""
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """When the phases begin, and when the last one ends, shape (n + 1,), s."""
+
+    @property
+    def phases(self) -> NDArray[np.float64]:
+        """Place on the way and its derivatives by time at the begin of each phase, (n, 4)."""
+
+    def place(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Return the place on the way and its first three derivatives by time, shape (n, 4)."""
+
+    def at(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Return joint values, velocities, accelerations and jerks, shape (4, n, dof)."""
+
+@final
 class Chain:
     """A serial chain: geometry, limits, base and tool, compiled for the solvers."""
 
@@ -210,6 +253,22 @@ class Chain:
         """Largest values, shape (dof,), rad or m; inf for continuous joints."""
 
     @property
+    def motion_limits(self) -> NDArray[np.float64]:
+        """Largest speed, acceleration and jerk, shape (3, dof), rad or m and s; inf where unknown.
+
+        No faster than any joint that follows another allows.
+        """
+
+    def joint_motion_limits(self) -> list[tuple[str, tuple[float, float, float]]]:
+        """Return the same by the names of the joints, as `with_motion_limits` takes it.
+
+        Of the joints of which anything is known.
+        """
+
+    def with_motion_limits(self, limits: Mapping[str, tuple[float, float, float]]) -> Chain:
+        """Return the chain with other limits of motion of the joints that are named."""
+
+    @property
     def link_names(self) -> list[str]:
         """Names of the frames of `fk_links`, the tool last."""
 
@@ -281,6 +340,7 @@ class Chain:
         position_tolerance: ArrayLike | None = None,
         orientation_tolerance: ArrayLike | None = None,
         tolerance_frame: str | None = None,
+        max_change: ArrayLike | None = None,
         recipe: tuple[Any, ...] | None = None,
     ) -> TargetSolver:
         """Make a solver for one target at a time; see `agrik_fast.Robot.solver`."""
@@ -347,7 +407,15 @@ class Chain:
 
 @final
 class Branches:
-    """Every branch of the targets of one `Robot.ik_all` call."""
+    """Every branch of the targets of one `Robot.ik_all` call.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("puma560")
+    >>> found = arm.ik_all(arm.fk([0.4, 0.9, -0.6, 0.5, 0.7, 0.2]))
+    >>> found.q.shape, int(found.valid.sum())
+    ((8, 6), 4)
+    """
 
     @property
     def q(self) -> NDArray[np.float64]:
@@ -398,7 +466,14 @@ class Branches:
         """Go through the rows along the first dimension of the targets."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the arrays by their names."""
+        """Return the arrays by their names.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> arm.ik_all(arm.fk(np.full(6, 0.5))).to_dict()["q"].shape
+        (8, 6)
+        """
 
     def to_arrow(self) -> Any:
         """Return a `pyarrow.Table`: one row a target (of branches: a branch).
@@ -407,6 +482,13 @@ class Branches:
         ------
         MissingExtraError
             pyarrow is not installed.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> found = arm.ik_all(arm.fk(np.full((1, 6), 0.5)))
+        >>> found.to_arrow().num_rows
+        8
         """
 
     def to_pandas(self) -> Any:
@@ -416,6 +498,13 @@ class Branches:
         ------
         MissingExtraError
             pandas is not installed.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> found = arm.ik_all(arm.fk(np.full((1, 6), 0.5)))
+        >>> len(found.to_pandas())
+        8
         """
 
 @final
@@ -424,6 +513,14 @@ class TargetSolver:
 
     Each call overwrites the values of the one before and, but for the feedback laws with
     matrices, allocates no memory after the first.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("panda")
+    >>> solver = arm.solver(seed=1)
+    >>> q = np.array([0.0, -0.4, 0.0, -2.0, 0.0, 1.8, 0.8])
+    >>> solver.solve(arm.fk(q), q), ik.Status(solver.status).name
+    (True, 'CONVERGED')
     """
 
     def solve(self, target: ArrayLike, q0: ArrayLike | None = None) -> bool:
@@ -436,7 +533,7 @@ class TargetSolver:
             array of doubles is read without conversion.
         q0 : array_like, shape (n,), rad or m, optional
             Start values of the first attempt, for example the last `q`. Default: chosen
-            from the seed.
+            from the seed. With `max_change` where the arm stands; default: the last answer.
 
         Returns
         -------
@@ -447,6 +544,12 @@ class TargetSolver:
         ------
         ArgumentError
             A wrong shape or type; a transform that is not rigid.
+
+        Examples
+        --------
+        >>> solver = ik.Robot.load("tomato").solver("position")
+        >>> solver.solve([0.2, 0.1, 0.1]), solver.solve([9.0, 0.0, 0.0])
+        (True, False)
         """
 
     @property
@@ -479,7 +582,15 @@ class TargetSolver:
 
 @final
 class IkResult:
-    """Answers of one `Robot.ik` call; arrays have the targets' leading shape."""
+    """Answers of one `Robot.ik` call; arrays have the targets' leading shape.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("ur5")
+    >>> result = arm.ik(arm.fk(arm.random_q(4, seed=1)))
+    >>> result.q.shape, bool(result.success.all()), bool((result.position_error < 1e-6).all())
+    ((4, 6), True, True)
+    """
 
     @property
     def q(self) -> NDArray[np.float64]:
@@ -580,7 +691,14 @@ class IkResult:
         """Go through the rows along the first dimension of the targets."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the arrays by their names."""
+        """Return the arrays by their names.
+
+        Examples
+        --------
+        >>> arrays = ik.Robot.load("ur5").ik([0.4, 0.2, 0.3]).to_dict()
+        >>> arrays["q"].shape, bool(arrays["success"])
+        ((6,), True)
+        """
 
     def to_arrow(self) -> Any:
         """Return a `pyarrow.Table`: one row a target (of branches: a branch).
@@ -589,6 +707,11 @@ class IkResult:
         ------
         MissingExtraError
             pyarrow is not installed.
+
+        Examples
+        --------
+        >>> ik.Robot.load("tomato").ik([[0.2, 0.1, 0.1]]).to_arrow().num_rows
+        1
         """
 
     def to_pandas(self) -> Any:
@@ -598,6 +721,33 @@ class IkResult:
         ------
         MissingExtraError
             pandas is not installed.
+
+        Examples
+        --------
+        >>> len(ik.Robot.load("tomato").ik([[0.2, 0.1, 0.1]] * 3).to_pandas())
+        3
+        """
+
+    def plot(self, arm: Any = None) -> Any:
+        """Draw what became of the targets; needs the extra ``plots``.
+
+        Parameters
+        ----------
+        arm : Robot, optional
+            With the arm that was asked, its postures in space are drawn instead.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Targets by status, in words; position errors of those that were reached and of the
+            others; steps taken. Or the arm: the last posture in full, the others pale.
+
+        Raises
+        ------
+        ArgumentError
+            `arm` is no Robot, or has another number of joints.
+        MissingExtraError
+            Matplotlib is not installed.
         """
 
     def __bool__(self) -> bool:
@@ -1329,10 +1479,23 @@ def set_num_threads(n: int | None) -> None:
     ------
     ArgumentError
         `n` is below 1.
+
+    Examples
+    --------
+    >>> ik.set_num_threads(1)
+    >>> ik.get_num_threads()
+    1
+    >>> ik.set_num_threads(None)
     """
 
 def get_num_threads() -> int:
-    """Return the number of threads that a batch call uses by default."""
+    """Return the number of threads that a batch call uses by default.
+
+    Examples
+    --------
+    >>> ik.get_num_threads() >= 1
+    True
+    """
 
 def simd_level() -> str:
     """Return the instruction set that the batch loops use in this process.
@@ -1343,6 +1506,11 @@ def simd_level() -> str:
         "scalar", "neon", "avx2" or "avx512": the highest that the machine has, or the one
         that the environment variable ``AGRIK_SIMD`` names. A name that the machine does not
         have is a `RuntimeWarning` when the compiled module is first used.
+
+    Examples
+    --------
+    >>> ik.simd_level() in ("scalar", "neon", "avx2", "avx512")
+    True
     """
 
 @final

@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from . import _native
-from .errors import MissingExtraError
+from ._checks import shown
+from .errors import ArgumentError, MissingExtraError
+from .plots import outcomes
 
 if TYPE_CHECKING:
     from ._native import Branches, IkResult
@@ -25,6 +27,7 @@ __all__ = [
     "iterate",
     "length",
     "made",
+    "plot",
     "reduce",
     "rows",
     "take",
@@ -178,6 +181,15 @@ def to_pandas(record: Record) -> Any:
     except ImportError:
         raise MissingExtraError("to_pandas", "pandas") from None
     return pandas.DataFrame(_columns(record))
+
+
+def plot(record: IkResult, arm: Any) -> Any:
+    """Return a picture of what became of targets, or of an arm's postures."""
+    if arm is None:
+        return outcomes(record.status, record.position_error, record.iterations)
+    if not callable(getattr(arm, "plot", None)):
+        raise ArgumentError("arm", shown(arm), "a Robot")
+    return arm.plot(record.q)
 
 
 def text(record: IkResult, head: str) -> str:

@@ -120,6 +120,16 @@ def run(
         An argument, the source, the target or the cluster cannot be used; the scheduler was lost.
     KeyboardInterrupt
         Ctrl-C: work underway is given up within a second and leaves nothing behind.
+
+    Examples
+    --------
+    >>> from agrik_fast import cluster, jobs
+    >>> np.save("points.npy", np.full((10, 3), 0.3))
+    >>> _ = jobs.split_file("points.npy", "parts", rows=5)
+    >>> job = jobs.SolveJob(ik.Robot.load("ur5"))
+    >>> summary = cluster.run(job, "parts", "run", workers=1, partition_rows=5)
+    >>> summary.complete, summary.rows
+    (True, 10)
     """
     workers = whole_number("workers", os.cpu_count() or 1 if workers is None else workers, 1)
     threads = whole_number("threads", threads, 1)
@@ -220,6 +230,7 @@ def solve(
 
     Examples
     --------
+    >>> from agrik_fast.cluster import solve
     >>> import pathlib, tempfile
     >>> folder = pathlib.Path(tempfile.mkdtemp())
     >>> _ = (folder / "grid.toml").write_text('''
@@ -283,6 +294,17 @@ def forward(source: Place | Source | None, target: Place, robot: Any, **options:
         As for `run`.
     KeyboardInterrupt
         Ctrl-C.
+
+    Examples
+    --------
+    >>> import pyarrow, pyarrow.parquet
+    >>> from agrik_fast import cluster
+    >>> from agrik_fast.io import ResultLayout
+    >>> arm = ik.Robot.load("tomato")
+    >>> names = ResultLayout.joint_names(arm.joint_names, arm.joint_types)
+    >>> pyarrow.parquet.write_table(pyarrow.table(dict.fromkeys(names, [0.1])), "q.parquet")
+    >>> cluster.forward("q.parquet", "poses", arm, workers=1).rows
+    1
     """
     return run(ForwardJob(load_robot(robot)), source, target, **options)
 

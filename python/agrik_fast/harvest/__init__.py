@@ -1,6 +1,7 @@
 """Harvest postures: whether an arm can pick a fruit among leaves, and how."""
 
 from ._crops import CropsJob
+from ._cutter import Cut, Cutter, cuts, with_cutter
 from ._decisions import Attempt, Decision, Decisions, Stage, Status
 from ._evaluate import Evaluation, evaluate
 from ._plan import Blockers, blockers, plan
@@ -15,6 +16,8 @@ __all__ = [
     "Attempt",
     "Blockers",
     "CropsJob",
+    "Cut",
+    "Cutter",
     "Decision",
     "Decisions",
     "Distance",
@@ -30,11 +33,13 @@ __all__ = [
     "Terms",
     "Weights",
     "blockers",
+    "cuts",
     "evaluate",
     "example_scene",
     "plan",
     "sensitivity",
     "simulate",
     "summary",
+    "with_cutter",
     "write_report",
 ]

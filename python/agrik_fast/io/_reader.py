@@ -38,6 +38,13 @@ class TargetReader(abc.ABC):
         Columns or keys that were found and not used.
     extras : tuple of Extra
         Those of them that can be passed on to the results.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import read_targets
+    >>> np.save("points.npy", [[0.4, 0.2, 0.3], [0.3, 0.1, 0.4]])
+    >>> read_targets("points.npy").count
+    2
     """
 
     path: Path
@@ -55,10 +62,25 @@ class TargetReader(abc.ABC):
         ------
         TargetFileError
             At the chunk that holds the fault, naming its row and column.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import read_targets
+        >>> np.save("points.npy", np.zeros((5, 3)))
+        >>> [len(chunk.targets) for chunk in read_targets("points.npy").chunks(2)]
+        [2, 2, 1]
         """
 
     def read_all(self) -> TargetChunk:
-        """All targets as one chunk."""
+        """All targets as one chunk.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import read_targets
+        >>> np.save("points.npy", np.zeros((5, 3)))
+        >>> read_targets("points.npy").read_all().targets.shape
+        (5, 3)
+        """
         parts = list(self.chunks())
         return TargetChunk(
             0,

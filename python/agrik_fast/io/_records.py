@@ -46,6 +46,13 @@ class TargetChunk:
         Row ids of the file, as int64 or text; row numbers from 1 where the file has none.
     extras : mapping of str to ndarray, shape (n,)
         Columns that are passed on to the results.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import TargetChunk
+    >>> chunk = TargetChunk(first=0, targets=np.zeros((2, 3)), ids=np.array([1, 2]))
+    >>> chunk.targets.shape
+    (2, 3)
     """
 
     first: int
@@ -73,6 +80,13 @@ class ResultLayout:
         Letters of the longest name in the columns on a scene; 0 where there are none.
     extras : tuple of Extra
         Columns that are passed on from the targets, behind all others.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import ResultLayout
+    >>> arm = ik.Robot.load("strawberry")
+    >>> ResultLayout(ResultLayout.joint_names(arm.joint_names, arm.joint_types)).joint_columns
+    ('s10_m', 's21_m', 's32_m', 'theta_rad', 'beta_rad')
     """
 
     joint_columns: tuple[str, ...]
@@ -94,7 +108,14 @@ class ResultLayout:
 
     @staticmethod
     def joint_names(names: Sequence[str], types: Sequence[str]) -> tuple[str, ...]:
-        """Return column names of joints: ``_m`` for prismatic ones, ``_rad`` for the others."""
+        """Return column names of joints: ``_m`` for prismatic ones, ``_rad`` for the others.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import ResultLayout
+        >>> ResultLayout.joint_names(["slide", "elbow"], ["prismatic", "revolute"])
+        ('slide_m', 'elbow_rad')
+        """
         return tuple(
             f"{name}_{'m' if kind == 'prismatic' else 'rad'}"
             for name, kind in zip(names, types, strict=True)
@@ -111,6 +132,13 @@ class SceneColumns:
         Distance of the nearest collision; 0 or less in contact, infinite for none.
     body, object : ndarray of text, shape (n,)
         Names of the body and of the object, or other body, that it is nearest to.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import SceneColumns
+    >>> columns = SceneColumns(np.array([0.02]), np.array(["gripper"]), np.array(["leaf"]))
+    >>> str(columns.body[0])
+    'gripper'
     """
 
     clearance: NDArray[np.float64]
@@ -147,6 +175,15 @@ class ResultChunk:
         What they are nearest to, of answers that were to keep clear of a scene.
     extras : mapping of str to ndarray, shape (n,)
         Columns that are passed on from the targets.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import ResultChunk
+    >>> one = np.ones(1, dtype=int)
+    >>> q, none = np.ones((1, 6)), np.zeros(1)
+    >>> chunk = ResultChunk(one, q, 0 * one, one > 0, none, none, one, one)
+    >>> chunk.q.shape
+    (1, 6)
     """
 
     ids: NDArray[Any]
@@ -181,7 +218,17 @@ class ResultChunk:
 
     @staticmethod
     def joined(chunks: Sequence[ResultChunk]) -> ResultChunk:
-        """Return chunks that follow one another as one."""
+        """Return chunks that follow one another as one.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import ResultChunk
+        >>> one = np.ones(1, dtype=int)
+        >>> q, none = np.ones((1, 6)), np.zeros(1)
+        >>> chunk = ResultChunk(one, q, 0 * one, one > 0, none, none, one, one)
+        >>> len(ResultChunk.joined([chunk, chunk]).ids)
+        2
+        """
 
         def whole(parts: Sequence[Any], name: str) -> NDArray[Any]:
             return np.concatenate([getattr(part, name) for part in parts])

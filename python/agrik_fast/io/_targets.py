@@ -50,6 +50,14 @@ def read_targets(path: Path | str) -> TargetReader:
     TargetFileError
         If the file is missing, unreadable, empty, of an unknown kind, or its columns do not
         describe targets.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import read_targets
+    >>> np.save("points.npy", [[0.4, 0.2, 0.3], [0.3, 0.1, 0.4]])
+    >>> reader = read_targets("points.npy")
+    >>> reader.is_pose, reader.count
+    (False, 2)
     """
     path = Path(path)
     suffix = path.suffix.lower()

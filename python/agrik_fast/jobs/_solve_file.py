@@ -87,6 +87,15 @@ class SolveRequest:
     all_branches : bool
         One row for each branch of a target that `Robot.ik_all` finds within the limits, in
         place of the answer of a solver.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from agrik_fast.jobs import SolveRequest
+    >>> paths = Path("points.npy"), Path("joints.csv")
+    >>> request = SolveRequest("ur5", *paths, seed=7)
+    >>> request.solver, request.seed
+    ('lm', 7)
     """
 
     robot: str
@@ -142,6 +151,16 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     ------
     AgrikError
         For bad arguments and files; nothing is written then, nor after Ctrl-C.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from agrik_fast.jobs import SolveRequest, solve_file
+    >>> np.save("points.npy", [[0.4, 0.2, 0.3], [0.3, 0.1, 0.4]])
+    >>> request = SolveRequest("ur5", Path("points.npy"), Path("joints.csv"))
+    >>> summary = solve_file(request)
+    >>> summary.rows, summary.solved
+    (2, 2)
     """
     started = time.perf_counter()
     progress = Silent() if progress is None else progress

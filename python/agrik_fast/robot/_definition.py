@@ -65,17 +65,25 @@ class Definition:
     notes: tuple[str, ...] = ()
     home: dict[str, float] = field(default_factory=dict)
     """Values of the home posture by joint, as far as they are said."""
+    motion: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    """Velocity, acceleration and jerk limits by joint, as far as they are said."""
     bodies: tuple[Body, ...] = ()
     """Bodies that are known; those of a URDF are read when they are asked for."""
     rules: CollisionRules = field(default_factory=CollisionRules)
     attached: tuple[Body, ...] = ()
     """Bodies put on at run time."""
     urdf: UrdfGeometry | None = None
-    """Where the bodies of a URDF are to be read."""
+    """Where the bodies of a URDF are to be read; None once they are."""
+    looks: UrdfGeometry | None = None
+    """Where the visual geometry of a URDF is to be read."""
     end_effector: EndEffector | None = None
 
     def build(self) -> _native.Chain:
         """Compile the chain."""
+        chain = self._geometry()
+        return chain.with_motion_limits(self.motion) if self.motion else chain
+
+    def _geometry(self) -> _native.Chain:
         if self.method == "from_urdf":
             chain, _ = _native.Chain.from_urdf(*self.arguments)
             chain = chain if self.base is None else chain.with_base(self.base)
@@ -154,7 +162,9 @@ def from_urdf(
     warn_of_degrees(name or chain.name, limits)
     places = mesh_places(source.folder, solids.mesh_folders)
     urdf = UrdfGeometry(text, name or "URDF", base, places, solids.cylinder, solids.mesh)
-    return Definition("from_urdf", (text, base, tip), notes=tuple(notes), urdf=urdf), chain
+    arguments = (text, base, tip)
+    made = Definition("from_urdf", arguments, notes=tuple(notes), urdf=urdf, looks=urdf)
+    return made, chain
 
 
 def from_robot_file(path: Path) -> Definition:
@@ -188,6 +198,7 @@ def from_robot_file(path: Path) -> Definition:
         dh=dh,
         frames={name: table.matrix() for name, table in content.frames.items()},
         home=content.home(),
+        motion=content.motion(),
         bodies=bodies_of(content.collision, content.provenance),
         rules=content.collision_rules.rules(),
         end_effector=None if hand is None else EndEffector(hand.servo, tuple(hand.moves)),

@@ -198,11 +198,13 @@ class InverseKinematics:
         position_tolerance: ArrayLike = 1e-6,
         orientation_tolerance: ArrayLike = 1e-6,
         tolerance_frame: Literal["base", "tool"] | None = None,
+        max_change: ArrayLike | None = None,
     ) -> TargetSolver:
         """Make a solver for one target at a time, for control loops.
 
         Options are read once; its `solve` gives, bit for bit, what `ik` gives for the same
-        target, and allocates nothing after the first call.
+        target, and allocates nothing after the first call. With `max_change` each call is a
+        tick of a loop instead: the posture goes on from the one before and never jumps.
 
         Parameters
         ----------
@@ -210,6 +212,12 @@ class InverseKinematics:
             What counts as reached, see `agrik_fast.tasks`.
         solver, seed, tool, position_tolerance, orientation_tolerance, tolerance_frame
             As for `ik`; step solvers only.
+        max_change : float or array_like, shape (n,), rad or m, optional
+            Largest change of each joint from call to call, above 0: from `q0` of the call, or
+            without it from the answer before. A target that is not reached within the bound has
+            the status ``HELD``: the posture goes to the nearest one that reaches it, or, out of
+            reach, that comes nearest to it, first by place, then by orientation. Without `q0`
+            the first call is free, as `ik` is.
 
         Returns
         -------
@@ -219,11 +227,26 @@ class InverseKinematics:
         Raises
         ------
         ArgumentError
-            As for `ik`.
+            As for `ik`; a `max_change` that is not above 0.
+
+        Examples
+        --------
+        A target that jumps by half a metre out of reach, and the arm that stretches towards it:
+
+        >>> from agrik_fast import Robot, Status
+        >>> arm = Robot.load("panda")
+        >>> q = arm.home + 0.2
+        >>> loop = arm.solver(max_change=0.01)
+        >>> target = arm.fk(q)
+        >>> target[:3, 3] += [1.0, 0.0, 0.0]
+        >>> loop.solve(target, q)
+        False
+        >>> Status(loop.status).name, bool(abs(loop.q - q).max() <= 0.01)
+        ('HELD', True)
         """
         tolerances = (position_tolerance, orientation_tolerance, tolerance_frame)
-        recipe = (_solver, (self, task, solver, seed, tool, *tolerances))
-        return self._chain.solver(task, solver, seed, tool, *tolerances, recipe)
+        recipe = (_solver, (self, task, solver, seed, tool, *tolerances, max_change))
+        return self._chain.solver(task, solver, seed, tool, *tolerances, max_change, recipe)
 
     def follow(
         self,
@@ -279,6 +302,15 @@ class InverseKinematics:
             A wrong shape, type or value of an argument; start values out of the limits.
         KeyboardInterrupt
             Ctrl-C.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> q = np.radians([30.0, -100.0, 110.0, -100.0, -90.0, 0.0])
+        >>> line = np.repeat(arm.fk(q)[None], 11, axis=0)
+        >>> line[:, 0, 3] += np.linspace(0.0, 0.05, 11)
+        >>> arm.follow(line, q, max_joint_step=0.05)
+        Path(11 targets: 11 reached, 0 discontinuities)
         """
         if order is not None or type(targets) is not np.ndarray:
             targets = as_targets(targets, order, "mark")
@@ -340,6 +372,13 @@ class InverseKinematics:
         ------
         ArgumentError
             A step solver, several targets, or a wrong argument as in `ik`.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> history = arm.cost_history([0.4, 0.2, 0.3], "de", seed=1)
+        >>> bool(history[-1] < history[0])
+        True
         """
         return self._chain.cost_history(target, solver, task, q0, seed, tool)
 
@@ -513,6 +552,12 @@ class InverseKinematics:
         ------
         ArgumentError
             The arm is no S-R-S arm, or `q` has another last dimension.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("redundant7")
+        >>> float(arm.arm_angle([0.4, 0.7, 0.2, 1.5, 0.3, 0.6, 0.1]).round(4))
+        0.1294
         """
         return self._chain.arm_angle(q)
 
@@ -539,6 +584,13 @@ class InverseKinematics:
         ------
         ArgumentError
             The arm is no S-R-S arm, or the target is no rigid transform.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("redundant7")
+        >>> intervals = arm.arm_angle_intervals(arm.fk([0.4, 0.7, 0.2, 1.5, 0.3, 0.6, 0.1]))
+        >>> len(intervals), intervals[0].shape[1]
+        (8, 2)
         """
         found = self._chain.arm_angle_intervals(target, tool)
         return tuple(np.array(one, dtype=np.float64).reshape(-1, 2) for one in found)
@@ -591,6 +643,13 @@ class InverseKinematics:
         ------
         ArgumentError, UnknownNameError
             As `ik`, when the chunk's result is asked for; `first_index` at once.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> chunks = (arm.fk(arm.random_q(100, seed=k)) for k in range(3))
+        >>> sum(int(part.success.sum()) for part in arm.ik_stream(chunks))
+        300
         """
         first_index = whole_number("first_index", first_index, 0, 2**64 - 1)
         handle = _collider(self, scene)
@@ -633,6 +692,7 @@ def _solver(
     position_tolerance: ArrayLike,
     orientation_tolerance: ArrayLike,
     tolerance_frame: Literal["base", "tool"] | None,
+    max_change: ArrayLike | None = None,
 ) -> TargetSolver:
     """Make a solver again, as its pickle says."""
     return robot.solver(
@@ -643,4 +703,5 @@ def _solver(
         position_tolerance=position_tolerance,
         orientation_tolerance=orientation_tolerance,
         tolerance_frame=tolerance_frame,
+        max_change=max_change,
     )

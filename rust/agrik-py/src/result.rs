@@ -375,6 +375,16 @@ impl IkResult {
         hand_on(slf, "to_pandas", &[])
     }
 
+    /// Draw what became of the targets, or an arm's postures.
+    #[pyo3(signature = (arm=None))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        arm: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let arm = arm.unwrap_or_else(|| slf.py().None().into_bound(slf.py()));
+        hand_on(slf, "plot", &[arm])
+    }
+
     fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         hand_on(slf, "html_table", &[])
     }

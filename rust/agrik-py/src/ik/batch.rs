@@ -14,6 +14,7 @@ use pyo3::prelude::*;
 use super::arguments::{Arguments, ArmAngles, Call};
 use super::branches::Branches;
 use super::locked::Locked;
+use super::second::nearness;
 use super::signals::Signals;
 use crate::collision::guard;
 use crate::convert::{self, shape_text};
@@ -33,6 +34,7 @@ pub fn solve(
     convention: Option<DhConvention>,
     given: &Arguments<'_, '_>,
     scene: &guard::Given<'_, '_>,
+    near: (Option<&Bound<'_, PyAny>>, Option<&Bound<'_, PyAny>>),
 ) -> PyResult<IkResult> {
     let call = Call::new(py, chain, given)?;
     let mut points = Vec::new();
@@ -44,7 +46,12 @@ pub fn solve(
     }
     let solver = chosen(given.solver, chain.name())?;
     let threads = call.options.threads;
-    let ready = solver.call(request).map_err(|error| errors::from_core(py, error))?;
+    let nearness = nearness(py, chain, near.0, near.1)?;
+    let ready = match &nearness {
+        None => solver.call(request),
+        Some(nearness) => solver.nearest_call(request, nearness),
+    };
+    let ready = ready.map_err(|error| errors::from_core(py, error))?;
     let mut signals = Signals::new();
     // A single target takes less time than it takes to let the interpreter go and get it back.
     let answers = if request.len() <= 1 && !matches!(solver, Solver::Population(_)) {

@@ -326,7 +326,7 @@ impl Step {
     }
 
     /// A feedback law.
-    pub(super) fn is_feedback(&self) -> bool {
+    pub(crate) fn is_feedback(&self) -> bool {
         matches!(
             self,
             Self::CyclicCoordinateDescent
