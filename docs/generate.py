@@ -7,6 +7,7 @@ from pathlib import Path
 import architecture_picture
 import elements
 import hardware_pictures
+import loops_picture
 import matplotlib as mpl
 import numpy as np
 import ring_picture
@@ -222,6 +223,7 @@ def main(folder: Path) -> None:
     draw_arm_angles(folder / "arm_angles.svg")
     draw_branches(folder / "branches.svg")
     ring_picture.draw(folder / "ring.svg", save)
+    loops_picture.draw(folder / "loops.svg", save)
     strawberry.reproduce(folder / "papers" / "strawberry")
     tomato.reproduce(folder / "papers" / "tomato")
     hydrolek.reproduce(folder / "papers" / "hydrolek")

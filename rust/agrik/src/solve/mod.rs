@@ -10,6 +10,7 @@ mod pieces;
 mod plan;
 pub mod population;
 mod postures;
+mod rates;
 mod refined;
 mod rows;
 mod setup;
@@ -21,6 +22,7 @@ pub use climb::Climb;
 pub use engine::run;
 pub use follow::{Follow, Path};
 pub use plan::Plan;
+pub use rates::Twists;
 pub use refined::Refined;
 pub use setup::Setup;
 pub use step::{
