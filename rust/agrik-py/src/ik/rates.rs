@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use super::second::second;
 use super::signals::Signals;
 use crate::convert::{Floats, array};
-use crate::{errors, threads as pool};
+use crate::threads as pool;
 
 /// Joint values and twists, or least and most rates.
 type Pair<'a, 'py> = (&'a Bound<'py, PyAny>, &'a Bound<'py, PyAny>);
