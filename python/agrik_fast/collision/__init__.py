@@ -16,8 +16,10 @@ from .._bodies import (
 from ._clouds import Cloud, objects_of, read_cloud
 from ._content import Target
 from ._crop import fruit, leaf, pipe, row, stalk, stem, wire
+from ._files import file_schema
 from ._greenhouse import greenhouse, greenhouse_document
 from ._objects import SceneObject
+from ._pictures import draw_scene
 from ._queries import Distances
 from ._scene import Scene, document_of, from_document
 
@@ -39,6 +41,8 @@ __all__ = [
     "Sphere",
     "Target",
     "document_of",
+    "draw_scene",
+    "file_schema",
     "from_document",
     "fruit",
     "greenhouse",

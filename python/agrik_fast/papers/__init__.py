@@ -51,6 +51,15 @@ def reproduce(
         `experiments` for a paper that has none.
     AgrikError
         Matplotlib is missing.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> from agrik_fast import papers
+    >>> files = papers.reproduce("fruit", pathlib.Path("out"), print)
+    Traceback (most recent call last):
+        ...
+    agrik_fast.errors.UnknownNameError: unknown paper 'fruit'. Known: ...
     """
     from ..errors import ArgumentError, UnknownNameError
 
@@ -59,10 +68,10 @@ def reproduce(
     if experiments is not None and name != "strawberry":
         raise ArgumentError("experiments", f"{experiments!r} for {name}", "it for strawberry alone")
     # Whether figures can be drawn shows before minutes of computing, not after.
-    from ._output import figure
+    from ..plots import figure, styled
 
     figure(1.0, 1.0)
     module = importlib.import_module(f".{name}", __name__)
     more = {} if experiments is None else {"experiments": experiments}
-    files: list[Path] = module.reproduce(directory, report=report, **more)
+    files: list[Path] = styled(module.reproduce)(directory, report=report, **more)
     return files

@@ -18,6 +18,7 @@ from .._checks import FloatArray, items, shown, word
 from .._files import listing
 from .._warnings import warn
 from ..errors import ArgumentError, RobotWarning, UrdfError
+from ._degrees import warn_of_degrees
 from ._dh_rows import DhRow, DhTable
 from ._sources import Source
 
@@ -78,7 +79,9 @@ class Definition:
     attached: tuple[Body, ...] = ()
     """Bodies put on at run time."""
     urdf: UrdfGeometry | None = None
-    """Where the bodies of a URDF are to be read."""
+    """Where the bodies of a URDF are to be read; None once they are."""
+    looks: UrdfGeometry | None = None
+    """Where the visual geometry of a URDF is to be read."""
     end_effector: EndEffector | None = None
 
     def build(self) -> _native.Chain:
@@ -166,9 +169,13 @@ def from_urdf(
         words = "joint" if len(locked) == 1 else "joints"
         said = f"{words} {listing(locked)} cannot move: both limits are 0"
         warn(f"{name or chain.name}: {said}", RobotWarning)
+    limits = zip(chain.joint_names, chain.joint_types, chain.lower, chain.upper, strict=True)
+    warn_of_degrees(name or chain.name, limits)
     places = mesh_places(source.folder, solids.mesh_folders)
     urdf = UrdfGeometry(text, name or "URDF", base, places, solids.cylinder, solids.mesh)
-    return Definition("from_urdf", (text, base, tip), notes=tuple(notes), urdf=urdf), chain
+    arguments = (text, base, tip)
+    made = Definition("from_urdf", arguments, notes=tuple(notes), urdf=urdf, looks=urdf)
+    return made, chain
 
 
 def from_robot_file(path: Path) -> Definition:
@@ -180,6 +187,13 @@ def from_robot_file(path: Path) -> Definition:
 
     content = read(path)
     method, arguments, dh = _dh(content) if content.dh else _joints(content)
+    rows = content.dh or content.joint
+    warn_of_degrees(
+        path.name,
+        [(row.name, row.type, *row.limits) for row in rows],
+        [row.alpha for row in dh or ()],
+        [row.theta for row in dh or ()],
+    )
     hand = content.end_effector
     return Definition(
         method=method,

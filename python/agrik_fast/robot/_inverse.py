@@ -22,6 +22,7 @@ from ..errors import ArgumentError
 from ._limits import with_limits_of_rows
 from ._many import in_base
 from ._path import Path
+from ._targets import Order, as_targets
 
 if TYPE_CHECKING:
     from .._native import Chain, Collider, TargetSolver
@@ -34,9 +35,10 @@ __all__ = ["InverseKinematics"]
 
 
 Prefer: TypeAlias = Literal["first", "near", "clearance"]
-Invalid: TypeAlias = Literal["mark", "raise", "straighten"]
-INVALID = ("mark", "raise", "straighten")
 """Which of several postures that are free of collisions."""
+Invalid: TypeAlias = Literal["mark", "raise", "straighten"]
+"""What becomes of poses that are no rigid transforms."""
+INVALID: tuple[Invalid, ...] = ("mark", "raise", "straighten")
 
 PREFERENCES: tuple[Prefer, ...] = ("first", "near", "clearance")
 """All of them."""
@@ -79,6 +81,7 @@ class InverseKinematics:
         joint_weights: ArrayLike | None = None,
         limits: ArrayLike | None = None,
         base: ArrayLike | None = None,
+        order: Order | None = None,
     ) -> IkResult:
         """Inverse kinematics of a batch of targets.
 
@@ -89,8 +92,11 @@ class InverseKinematics:
 
         Parameters
         ----------
-        targets : array_like, shape (..., 4, 4) or (..., 3)
-            Poses of the tool, or positions of the tool point, in the base frame; m.
+        targets : array_like, shape (..., 4, 4), (..., 3) or (..., 7)
+            Poses of the tool, or positions of the tool point, in the base frame; m. Rows of
+            seven numbers are poses in an `order`. So are poses of SciPy (`RigidTransform`, or a
+            pair of places and `Rotation`), spatialmath and Pinocchio (`SE3`), one or a list, and
+            arrays of libraries with DLPack or ``__array__`` (torch, JAX) on the CPU.
         task : task or {"position", "pose", "axis"}, optional
             What counts as reached, see `agrik_fast.tasks`. Default: "pose" for shape
             (..., 4, 4), "position" for (..., 3).
@@ -158,6 +164,9 @@ class InverseKinematics:
             ``Status.BAD_INPUT``.
         base : array_like, shape broadcastable to (..., 4, 4), optional
             Where the arm's base stands for each target, in place of `Robot.base`, m.
+        order : {"xyz_xyzw", "xyz_wxyz", "xyzw_xyz", "wxyz_xyz"}, optional
+            Order of the numbers of targets of shape (..., 7): place, m, and unit quaternion.
+            Those whose length is off by less than 0.001 (for "straighten" 0.02) are rounded.
 
         Returns
         -------
@@ -192,6 +201,8 @@ class InverseKinematics:
         ... )
         True
         """
+        if order is not None or type(targets) is not np.ndarray:
+            targets = as_targets(targets, order, word("invalid", invalid, INVALID))
         if base is not None:
             targets = in_base(self._chain.base, targets, base)
         if limits is not None:
@@ -334,6 +345,7 @@ class InverseKinematics:
         position_tolerance: ArrayLike = 1e-6,
         orientation_tolerance: ArrayLike = 1e-6,
         tolerance_frame: Literal["base", "tool"] | None = None,
+        order: Order | None = None,
     ) -> Path:
         """Follow a sequence of targets, every posture the continuation of the one before.
 
@@ -349,8 +361,9 @@ class InverseKinematics:
 
         Parameters
         ----------
-        targets : array_like, shape (n, 4, 4) or (n, 3)
-            Poses of the tool, or positions of the tool point, in order, base frame; m.
+        targets : array_like, shape (n, 4, 4), (n, 3) or (n, 7)
+            Poses of the tool, or positions of the tool point, one after the other, base frame;
+            m. Of any kind that `ik` takes.
         q0 : array_like, shape (dof,), rad or m, optional
             Where the arm stands before the first target, within the limits or outside by no
             more than 1e-3. The first posture is the nearest to it that is found, however far.
@@ -364,6 +377,8 @@ class InverseKinematics:
         pull : float, default 0.5
             Share of the way back to the posture before that each solver step goes in the
             null space of the task; 0 to 1.
+        order : str, optional
+            Of targets of shape (n, 7), as for `ik`.
 
         Returns
         -------
@@ -376,7 +391,18 @@ class InverseKinematics:
             A wrong shape, type or value of an argument; start values out of the limits.
         KeyboardInterrupt
             Ctrl-C.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> q = np.radians([30.0, -100.0, 110.0, -100.0, -90.0, 0.0])
+        >>> line = np.repeat(arm.fk(q)[None], 11, axis=0)
+        >>> line[:, 0, 3] += np.linspace(0.0, 0.05, 11)
+        >>> arm.follow(line, q, max_joint_step=0.05)
+        Path(11 targets: 11 reached, 0 discontinuities)
         """
+        if order is not None or type(targets) is not np.ndarray:
+            targets = as_targets(targets, order, "mark")
         result, jumps, speed = self._chain.follow(
             targets,
             max_joint_step,
@@ -436,6 +462,13 @@ class InverseKinematics:
         ------
         ArgumentError
             A step solver, several targets, or a wrong argument as in `ik`.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> history = arm.cost_history([0.4, 0.2, 0.3], "de", seed=1)
+        >>> bool(history[-1] < history[0])
+        True
         """
         return self._chain.cost_history(target, solver, task, q0, seed, tool)
 
@@ -467,6 +500,7 @@ class InverseKinematics:
         wrap: bool = False,
         task: Task | str | None = None,
         invalid: Invalid = "mark",
+        order: Order | None = None,
     ) -> Branches:
         """Every branch of the inverse kinematics: all real solutions of each target.
 
@@ -479,9 +513,9 @@ class InverseKinematics:
 
         Parameters
         ----------
-        targets : array_like, shape (..., 4, 4) or (..., 3)
+        targets : array_like, shape (..., 4, 4), (..., 3) or (..., 7)
             Poses of the tool in the base frame, or positions of the tool point where the
-            task is one; m.
+            task is one; m. Of any kind that `ik` takes.
         q0 : array_like, shape broadcastable to (..., n), rad, optional
             Of the values a whole turn apart that a joint's limits allow, the one nearest to
             this is returned, and angles that a singularity leaves open are taken from it.
@@ -516,6 +550,8 @@ class InverseKinematics:
             "position" for arms of three. Default: by the shape of the targets, as for `ik`.
         invalid : {"mark", "raise", "straighten"}, default "mark"
             As for `ik`.
+        order : str, optional
+            Of targets of shape (..., 7), as for `ik`.
 
         Returns
         -------
@@ -566,6 +602,8 @@ class InverseKinematics:
         >>> branches.q.shape
         (512, 7)
         """
+        if order is not None or type(targets) is not np.ndarray:
+            targets = as_targets(targets, order, word("invalid", invalid, INVALID))
         return self._chain.ik_all(
             targets,
             q0,
@@ -604,6 +642,12 @@ class InverseKinematics:
         ------
         ArgumentError
             The arm is no S-R-S arm, or `q` has another last dimension.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("redundant7")
+        >>> float(arm.arm_angle([0.4, 0.7, 0.2, 1.5, 0.3, 0.6, 0.1]).round(4))
+        0.1294
         """
         return self._chain.arm_angle(q)
 
@@ -630,6 +674,13 @@ class InverseKinematics:
         ------
         ArgumentError
             The arm is no S-R-S arm, or the target is no rigid transform.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("redundant7")
+        >>> intervals = arm.arm_angle_intervals(arm.fk([0.4, 0.7, 0.2, 1.5, 0.3, 0.6, 0.1]))
+        >>> len(intervals), intervals[0].shape[1]
+        (8, 2)
         """
         found = self._chain.arm_angle_intervals(target, tool)
         return tuple(np.array(one, dtype=np.float64).reshape(-1, 2) for one in found)
@@ -655,6 +706,7 @@ class InverseKinematics:
         second_aim: SecondAim | str | None = None,
         nearest: bool | int = False,
         joint_weights: ArrayLike | None = None,
+        order: Order | None = None,
     ) -> Iterator[IkResult]:
         """Inverse kinematics of a stream of chunks, for more targets than memory holds.
 
@@ -664,9 +716,9 @@ class InverseKinematics:
 
         Parameters
         ----------
-        chunks : iterable of array_like, each of shape (..., 4, 4) or (..., 3)
+        chunks : iterable of array_like, each of shape (..., 4, 4), (..., 3) or (..., 7)
             Targets as for `ik`; some tens of thousands in a chunk keep all cores busy.
-        task, solver, seed, tool, threads, scene, clear, prefer, invalid : optional
+        task, solver, seed, tool, threads, scene, clear, prefer, invalid, order : optional
             As for `ik`, the same for all chunks.
         second_aim, nearest, joint_weights : optional
             As for `ik`, the same for all chunks.
@@ -686,6 +738,13 @@ class InverseKinematics:
         ------
         ArgumentError, UnknownNameError
             As `ik`, when the chunk's result is asked for; `first_index` at once.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> chunks = (arm.fk(arm.random_q(100, seed=k)) for k in range(3))
+        >>> sum(int(part.success.sum()) for part in arm.ik_stream(chunks))
+        300
         """
         first_index = whole_number("first_index", first_index, 0, 2**64 - 1)
         handle = _collider(self, scene)
@@ -710,6 +769,7 @@ class InverseKinematics:
                 second_aim=second_aim,
                 nearest=nearest,
                 joint_weights=joint_weights,
+                order=order,
             )
 
         return solve_ahead(chunks, solve, first_index)

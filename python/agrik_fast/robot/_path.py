@@ -37,6 +37,14 @@ class Path:
     speed : ndarray, shape (n,)
         The largest share of its step that a joint took from the posture before: above 1 where
         the path is too fast by that factor. 0 in the first row.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("ur5")
+    >>> q = np.full(6, 0.5)
+    >>> path = arm.follow(arm.fk([q, q + 0.02]), q)
+    >>> path.q.shape, bool(path.success.all()), int(path.discontinuity.sum())
+    ((2, 6), True, 0)
     """
 
     q: FloatArray

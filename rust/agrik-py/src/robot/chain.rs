@@ -24,11 +24,12 @@ use crate::result::IkResult;
 
 /// A serial chain: geometry, limits, base and tool, compiled for the solvers.
 #[pyclass(frozen, module = "agrik_fast._native")]
-pub struct Chain(Arc<chain::Chain>);
+pub struct Chain(Arc<chain::Chain>, Option<chain::DhConvention>);
 
 impl Chain {
-    fn wrap(py: Python<'_>, made: agrik::Result<chain::Chain>) -> PyResult<Self> {
-        made.map(|chain| Self(Arc::new(chain))).map_err(|error| errors::from_core(py, error))
+    fn changed(&self, py: Python<'_>, made: agrik::Result<chain::Chain>) -> PyResult<Self> {
+        let made = made.map_err(|error| errors::from_core(py, error))?;
+        Ok(Self(Arc::new(made), self.1))
     }
 
     /// The core's chain.
@@ -71,7 +72,8 @@ impl Chain {
     ) -> PyResult<Self> {
         let frame = Frame { name, base, tool, variable_order };
         let table = DhTable { rows, joint_types, joint_names, lower, upper };
-        Ok(Self(Arc::new(build::from_dh(py, frame, convention, table)?)))
+        let (made, convention) = build::from_dh(py, frame, convention, table)?;
+        Ok(Self(Arc::new(made), Some(convention)))
     }
 
     /// Build a chain from joints with origins and axes.
@@ -86,7 +88,7 @@ impl Chain {
         variable_order: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let frame = Frame { name, base, tool, variable_order };
-        Ok(Self(Arc::new(build::from_joints(py, frame, &joints)?)))
+        Ok(Self(Arc::new(build::from_joints(py, frame, &joints)?), None))
     }
 
     /// Build a chain from the text of a URDF; with it come the names of its first and its last
@@ -101,7 +103,7 @@ impl Chain {
     ) -> PyResult<(Self, Ends)> {
         let made = chain::Chain::from_urdf_with_ends(text, base_link, tip_link);
         let (chain, ends) = made.map_err(|error| errors::from_core(py, error))?;
-        Ok((Self(Arc::new(chain)), (ends.base, ends.tip, ends.others, ends.locked)))
+        Ok((Self(Arc::new(chain), None), (ends.base, ends.tip, ends.others, ends.locked)))
     }
 
     /// Name of the robot.
@@ -191,7 +193,7 @@ impl Chain {
         let limits = limits.iter().map(|(name, &(velocity, acceleration, jerk))| {
             (name.as_str(), MotionLimits { velocity, acceleration, jerk })
         });
-        Self::wrap(py, self.0.with_motion_limits(limits))
+        self.changed(py, self.0.with_motion_limits(limits))
     }
 
     /// Return the chain with other limits of the joint variables that are named.
@@ -254,12 +256,12 @@ impl Chain {
 
     /// Return the chain with another tool, shape (4, 4), m.
     fn with_tool(&self, tool: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Self::wrap(tool.py(), self.0.with_tool(transform("tool", tool)?))
+        self.changed(tool.py(), self.0.with_tool(transform("tool", tool)?))
     }
 
     /// Return the chain with another base, shape (4, 4), m.
     fn with_base(&self, base: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Self::wrap(base.py(), self.0.with_base(transform("base", base)?))
+        self.changed(base.py(), self.0.with_base(transform("base", base)?))
     }
 
     /// Return tool poses, shape (..., 4, 4), of joint values, shape (..., dof).
@@ -332,7 +334,7 @@ impl Chain {
             second_aim,
         };
         let guard = guard::Given { collider, clear, prefer };
-        batch::solve(py, &self.0, &given, &guard, (nearest, joint_weights))
+        batch::solve(py, &self.0, self.1, &given, &guard, (nearest, joint_weights))
     }
 
     /// Make a solver for one target at a time; see `agrik_fast.Robot.solver`.

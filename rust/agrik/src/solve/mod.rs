@@ -13,6 +13,7 @@ mod postures;
 mod rates;
 mod refined;
 mod rows;
+mod sensitivity;
 mod setup;
 mod start;
 mod step;
@@ -24,6 +25,7 @@ pub use follow::{Follow, Path};
 pub use plan::Plan;
 pub use rates::Twists;
 pub use refined::Refined;
+pub use sensitivity::{DH, Sensitivity, TWIST};
 pub use setup::Setup;
 pub use step::{
     GainUnits, Lengths, Matrix, Pace, Pid, PidOrder, Settings, StartRule, StateSpace, StaticGain,
