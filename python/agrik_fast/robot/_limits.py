@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -195,4 +195,5 @@ def with_limits_of_rows(
                 if name not in fields:
                     fields[name] = np.zeros((len(goals), *array.shape[1:]), array.dtype)
                 fields[name][run] = array
-    return made("IkResult", {n: a.reshape(*leading, *a.shape[1:]) for n, a in fields.items()})
+    shaped = {name: array.reshape(*leading, *array.shape[1:]) for name, array in fields.items()}
+    return cast("IkResult", made("IkResult", shaped))

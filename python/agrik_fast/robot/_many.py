@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -93,4 +93,4 @@ def ik_many(robots: Sequence[Robot], targets: ArrayLike, **options: Any) -> IkRe
         raise ArgumentError("targets", received, "one row a robot")
     parts = [to_dict(arm.ik(one, **options)) for arm, one in zip(arms, goals, strict=True)]
     fields = {name: np.stack([part[name] for part in parts]) for name in parts[0]}
-    return made("IkResult", fields)  # type: ignore[return-value]
+    return cast("IkResult", made("IkResult", fields))
