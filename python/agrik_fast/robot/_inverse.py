@@ -19,7 +19,7 @@ from .._checks import (
 )
 from .._stream import solve_ahead
 from ..errors import ArgumentError
-from ._limits import with_limits_of_rows
+from ._limits import JointLimits, with_limits_of_rows
 from ._many import in_base
 from ._path import Path
 from ._targets import Order, as_targets
@@ -207,7 +207,8 @@ class InverseKinematics:
             targets = in_base(self._chain.base, targets, base)
         if limits is not None:
             return with_limits_of_rows(
-                self,
+                InverseKinematics.ik,
+                cast(JointLimits, self),
                 targets,
                 limits,
                 task=task,

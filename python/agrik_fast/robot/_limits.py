@@ -16,7 +16,6 @@ from ._definition import Definition
 
 if TYPE_CHECKING:
     from ..result import IkResult
-    from ._inverse import InverseKinematics
 
 __all__ = ["JointLimits", "with_limits_of_rows"]
 
@@ -149,10 +148,13 @@ class JointLimits:
 
 
 def with_limits_of_rows(
-    arm: InverseKinematics, targets: ArrayLike, limits: ArrayLike, **options: Any
+    solve: Callable[..., IkResult],
+    arm: JointLimits,
+    targets: ArrayLike,
+    limits: ArrayLike,
+    **options: Any,
 ) -> IkResult:
-    """Solve targets within limits of the call, or of each row; see `Robot.ik`."""
-    assert isinstance(arm, JointLimits)
+    """Solve targets within limits of the call, or of each row, by `Robot.ik`."""
     dof = len(arm.joint_names)
     table = float_array("limits", limits)
     own = np.stack([arm.lower, arm.upper], axis=1)
@@ -161,8 +163,7 @@ def with_limits_of_rows(
         raise ArgumentError("limits", f"shape {table.shape}", f"shape {expected}")
     table = np.where(np.isnan(table), own, table)
     if table.ndim == 2:
-        result: IkResult = arm.with_limits(table).ik(targets, **options)
-        return result
+        return solve(arm.with_limits(table), targets, **options)
     goals = float_array("targets", targets)
     inner = 2 if goals.shape[-2:] == (4, 4) else 1
     leading = goals.shape[:-inner]
@@ -185,7 +186,8 @@ def with_limits_of_rows(
         # Where rows do not follow one another each is a call of its own.
         runs = np.split(rows, np.flatnonzero(np.diff(rows) != 1) + 1)
         for run in runs:
-            part = solving.ik(
+            part = solve(
+                solving,
                 np.full_like(goals[run], np.nan) if contradictory else goals[run],
                 q0=None if q0 is None else q0[run],
                 first_index=first + int(run[0]),
