@@ -72,9 +72,10 @@ rigs-full: build $(VENV)/.dev firmware ## an hour of simulated work and faults o
 	PYTHONPATH=tests $(PY) tests/rigs_soak.py --minutes 60
 	$(PY) -m pytest tests/drivers/test_link.py --requests 5000 --timeout 900
 
-vision-full: build $(VENV)/.dev ## the detector on 2,000 renders of all kinds, the loop before 20 fruits
+vision-full: build $(VENV)/.dev ## the detector on 2,000 renders of all kinds, the loop before 20 fruits, stereo to harvest on 20 scenes
 	PYTHONPATH=tests $(PY) tests/vision_renders.py --renders 2000
 	PYTHONPATH=tests $(PY) tests/pointing_full.py --fruits 20
+	AGRIK_ALL_SCENES=1 $(PY) -m pytest --timeout 600 tests/vision/test_stereo_harvest.py
 
 damaged: build $(VENV)/.dev ## 2,000 damaged files: no traceback, < 500 MB, < 5 s each
 	$(PY) tests/io/damaged_files.py --files 2000
