@@ -6,15 +6,18 @@ from pathlib import Path
 
 import architecture_picture
 import elements
+import front_picture
 import hardware_pictures
 import matplotlib as mpl
 import numpy as np
 import ring_picture
 import solids_picture
+import trajectory_pictures
 import vision_pictures
 
 import agrik_fast as ik
 from agrik_fast.papers import hydrolek, redundant7, strawberry, tomato
+from agrik_fast.plots import PAGE_WIDTH, styled
 from agrik_fast.tuning.goals import joint_uniform
 
 mpl.use("Agg")
@@ -151,17 +154,27 @@ def draw_tuning(file: Path) -> None:
     """Draw how the goals left unreached fall from a frozen gain to a tuned one."""
     arm = ik.Robot.load("hydrolek")
     goals = joint_uniform(arm, 1000, 1)
-    sets = ("trial_published", "full90_pso", "diag24_pso", "k15_pso", "full90_cma", "k15_cma")
-    figure, axis = plt.subplots(figsize=(7, 3), layout="constrained")
-    for name in sets:
+    sets = {
+        "trial_published": "by trial, as published",
+        "full90_pso": "all 90 numbers, swarm",
+        "diag24_pso": "24 numbers, swarm",
+        "k15_pso": "gain of 15 numbers, swarm",
+        "full90_cma": "all 90 numbers, CMA-ES",
+        "k15_cma": "gain of 15 numbers, CMA-ES",
+    }
+    lines = ("-", "-", "--", "-.", ":", "--")
+    figure, axis = plt.subplots(figsize=(PAGE_WIDTH, 3), layout="constrained")
+    for (name, words), line in zip(sets.items(), lines, strict=True):
         solver = ik.solvers.StateSpace.load(f"hydrolek_{name}", as_tuned=True)
         result = arm.ik(goals, solver=solver, position_tolerance=1e-3)
         steps = np.sort(result.iterations[result.success])
-        axis.step(steps, np.arange(1, len(steps) + 1), where="post", label=name)
+        reached = np.arange(1, len(steps) + 1)
+        axis.step(steps, reached, line, where="post", label=words)
     axis.set_xscale("log")
     axis.set_xlabel("steps")
     axis.set_ylabel("goals of 1,000 reached by then")
-    axis.legend()
+    # Beside the curves, in their order at the end, not over them.
+    figure.legend(loc="outside right center")
     save(figure, file)
 
 
@@ -216,9 +229,11 @@ def describe(name: str) -> str:
     return "\n".join(lines) + "\n"
 
 
+@styled
 def main(folder: Path) -> None:
     """Write everything into `folder`."""
     folder.mkdir(exist_ok=True)
+    front_picture.draw(folder, save)
     draw_reach(folder / "reach.svg")
     draw_arm_angles(folder / "arm_angles.svg")
     draw_branches(folder / "branches.svg")
@@ -234,6 +249,7 @@ def main(folder: Path) -> None:
     solids_picture.draw_greenhouse(folder / "scene.png", save)
     solids_picture.draw_clearance(folder / "clearance.svg", save)
     hardware_pictures.main(folder / "hardware")
+    trajectory_pictures.draw(folder / "trajectories.svg", save)
     vision_pictures.main(folder / "vision")
     methods = folder / "methods"
     methods.mkdir(exist_ok=True)

@@ -60,15 +60,21 @@ from agrik_fast.vision import (
 )
 from agrik_fast.vision import Scene as DrawnScene
 
-# Files and the jobs over them have tests of their own, which damage them; papers write files, and
-# drawings are given axes.
+# Files and the jobs over them have tests of their own, which damage them; papers and viewers
+# write files and start servers, drawings are given axes, and torch and JAX are not installed
+# everywhere.
 ELSEWHERE = (
     "agrik_fast.cli",
     "agrik_fast.cluster",
+    "agrik_fast.collision.drawing",
     "agrik_fast.harvest.drawing",
     "agrik_fast.io",
+    "agrik_fast.jax",
     "agrik_fast.jobs",
     "agrik_fast.papers",
+    "agrik_fast.torch",
+    "agrik_fast.plots",
+    "agrik_fast.viewer",
 )
 # Exceptions and codes hold what they are given; tables of files are checked by their readers,
 # which turn the model's error into one of ours.
@@ -77,10 +83,11 @@ RECORDS = (BaseException, tuple, int, pydantic.BaseModel)
 ANSWERS = {
     "Arrival", "Attempt", "Blockers", "Branches", "Budget", "CameraCalibration", "CameraPose",
     "Command", "Commands", "Cone", "Decision", "Decisions", "Detection", "DhRow", "Distances",
-    "Evaluation", "ExcludedPair", "Family", "FruitTruth", "IkResult", "LinkStatistics", "LongFruit",
-    "Obstacle", "PacedResult", "Path", "Plane", "PointingStep", "Programme", "Rendering", "Report",
-    "RigStatus", "Run", "Runs", "SelfPairs", "Sensitivity", "Simulated", "Straightened",
-    "StrawberryResult", "Terms", "TomatoBranches", "TomatoResult", "Torques", "Track",
+    "Evaluation", "ExcludedPair", "Family", "FruitTruth", "IkResult", "JointPath",
+    "LinkStatistics", "LongFruit", "Obstacle", "PacedResult", "Path", "PathSensitivity", "Plane",
+    "PointingStep", "Programme", "Rendering", "Report", "RigStatus", "Run", "Runs", "SelfPairs",
+    "Sensitivity", "Simulated", "Straightened", "StrawberryResult", "Surface", "Terms",
+    "TomatoBranches", "TomatoResult", "Torques", "Track", "Trajectory",
 }  # fmt: skip
 # Objects and files, for which nothing but their own kind makes sense: what is none at all is the
 # type checker's business, as it is for `Robot(definition)`, which users do not call.
@@ -247,6 +254,10 @@ ARGUMENTS: dict[str, Any] = {
     "url": "loop://",
     "weights": (1, 1, 1, 0, 0, 0),
     "values": {},
+    "start": np.zeros(7),
+    "end": np.array([0.3, 0.2, 0.9]),
+    "via": np.array([0.1, 0.2, 1.0]),
+    "waypoints": np.zeros((2, 7)),
     "xyz": np.zeros(3),
 }
 # Pictures and cameras: words that mean something else elsewhere.

@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from . import _native
-from .errors import MissingExtraError
+from ._checks import shown
+from .errors import ArgumentError, MissingExtraError
+from .plots import outcomes
 
 if TYPE_CHECKING:
     from ._native import Branches, IkResult
@@ -25,6 +27,7 @@ __all__ = [
     "iterate",
     "length",
     "made",
+    "plot",
     "reduce",
     "rows",
     "take",
@@ -77,13 +80,16 @@ def reduce(record: Record) -> tuple[Any, ...]:
     return made, (type(record).__name__, to_dict(record))
 
 
-def made(kind: str, fields: dict[str, Any]) -> Record:
-    """Return the record of a kind that holds some arrays; what pickles call."""
+def made(kind: str, fields: dict[str, Any], like: IkResult | None = None) -> Record:
+    """Return the record of a kind that holds some arrays; what pickles call.
+
+    With `like`, it is of the same question.
+    """
     arrays = {name: np.asarray(value) for name, value in fields.items()}
     if kind == "Branches":
         return _native.branches(**arrays)
     arrays.pop("success", None)  # the statuses say it
-    return _native.ik_result(**arrays)
+    return _native.ik_result(**arrays, like=like)
 
 
 def rows(record: Record) -> tuple[int, ...]:
@@ -110,7 +116,8 @@ def take(record: Record, key: Any) -> Record:
     for name, array in to_dict(record).items():
         flat = array.reshape(-1, *array.shape[len(shape) :])
         picked[name] = flat[places]
-    return made(type(record).__name__, picked)
+    like = record if isinstance(record, _native.IkResult) else None
+    return made(type(record).__name__, picked, like)
 
 
 def iterate(record: Record) -> Iterator[Record]:
@@ -174,6 +181,15 @@ def to_pandas(record: Record) -> Any:
     except ImportError:
         raise MissingExtraError("to_pandas", "pandas") from None
     return pandas.DataFrame(_columns(record))
+
+
+def plot(record: IkResult, arm: Any) -> Any:
+    """Return a picture of what became of targets, or of an arm's postures."""
+    if arm is None:
+        return outcomes(record.status, record.position_error, record.iterations)
+    if not callable(getattr(arm, "plot", None)):
+        raise ArgumentError("arm", shown(arm), "a Robot")
+    return arm.plot(record.q)
 
 
 def text(record: IkResult, head: str) -> str:

@@ -7,10 +7,17 @@ from ._shapes import BodyShape, Box, Capsule, Convex, Cover, HalfSpace, Shape, S
 from ._shapes import Rows as Rows
 from ._shapes import point as point
 from ._shapes import pose_of as pose_of
+from ._surfaces import Triangles as Triangles
+from ._surfaces import box as box
+from ._surfaces import cylinder as cylinder
+from ._surfaces import surface as surface
 from ._urdf import CYLINDERS as CYLINDERS
 from ._urdf import MESHES as MESHES
 from ._urdf import UrdfGeometry as UrdfGeometry
 from ._urdf import mesh_places as mesh_places
+from ._visuals import Visual as Visual
+from ._visuals import has_visuals as has_visuals
+from ._visuals import visuals as visuals
 
 __all__ = [
     "Body",

@@ -77,7 +77,7 @@ class UrdfGeometry:
             Links with visual geometry alone, which would be free for every query, and links
             that joints outside the chain move.
         """
-        tree = _Tree(ElementTree.fromstring(self.text), self.name)
+        tree = Tree(ElementTree.fromstring(self.text), self.name)
         base = self.base_link or tree.root
         places = tree.places(base, link_names[:-1])
         bodies: list[Body] = []
@@ -92,7 +92,7 @@ class UrdfGeometry:
         return tuple(bodies)
 
     def _warn(
-        self, tree: _Tree, base: str, places: dict[str, tuple[int, FloatArray]], bare: list[str]
+        self, tree: Tree, base: str, places: dict[str, tuple[int, FloatArray]], bare: list[str]
     ) -> None:
         def say(text: str) -> None:
             warnings.warn(f"{self.name}: {text}", UserWarning, stacklevel=2)
@@ -112,11 +112,11 @@ class UrdfGeometry:
 
     # -- solids of one link --------------------------------------------------------------
 
-    def _parts(self, tree: _Tree, link: str) -> Iterator[_Part]:
+    def _parts(self, tree: Tree, link: str) -> Iterator[_Part]:
         elements = tree.links[link].findall("collision")
         parts: list[tuple[BodyShape, float | None]] = []
         for element in elements:
-            pose = _origin(element, f"link {link!r}: <collision>", self.name)
+            pose = origin_of(element, f"link {link!r}: <collision>", self.name)
             for shape, over in self._solids(link, element.find("geometry")):
                 parts.append((shape.moved(pose), over))
         for count, (shape, over) in enumerate(parts):
@@ -134,14 +134,14 @@ class UrdfGeometry:
         solid = kinds[0]
         try:
             if solid.tag == "box":
-                yield Box((0, 0, 0), tuple(_numbers(solid, "size", 3) / 2)), 0.0
+                yield Box((0, 0, 0), tuple(numbers_of(solid, "size", 3) / 2)), 0.0
             elif solid.tag == "sphere":
-                yield Sphere((0, 0, 0), _length(solid, "radius")), 0.0
+                yield Sphere((0, 0, 0), length_of(solid, "radius")), 0.0
             elif solid.tag == "cylinder":
-                yield self._cylinder(_length(solid, "radius"), _length(solid, "length"))
+                yield self._cylinder(length_of(solid, "radius"), length_of(solid, "length"))
             elif solid.tag == "capsule":
-                half = _length(solid, "length") / 2
-                yield Capsule((0, 0, -half), (0, 0, half), _length(solid, "radius")), 0.0
+                half = length_of(solid, "length") / 2
+                yield Capsule((0, 0, -half), (0, 0, half), length_of(solid, "radius")), 0.0
             elif solid.tag == "mesh":
                 yield from self._meshes(link, solid)
             else:
@@ -176,7 +176,7 @@ class UrdfGeometry:
         name = solid.get("filename")
         if not name:
             raise ValueError("has no filename")
-        scale = _numbers(solid, "scale", 3) if solid.get("scale") else np.ones(3)
+        scale = numbers_of(solid, "scale", 3) if solid.get("scale") else np.ones(3)
         for triangles in triangles_of(link, self.places.find(link, name)):
             scaled = triangles * scale
             points = scaled.reshape(-1, 3)
@@ -192,7 +192,7 @@ class UrdfGeometry:
 # ---- the tree of links ---------------------------------------------------------------------
 
 
-class _Tree:
+class Tree:
     """Links and joints of a URDF, whose form the compiled core has checked."""
 
     def __init__(self, robot: Element, name: str) -> None:
@@ -231,7 +231,7 @@ class _Tree:
             for child, joint in self._children.get(link, ()):
                 if child in found or child not in self.links:
                     continue
-                found[child] = (frame, pose @ _origin(joint, f"joint of {child!r}:", self._name))
+                found[child] = (frame, pose @ origin_of(joint, f"joint of {child!r}:", self._name))
                 if joint.get("type") != "fixed" or link in self.moved:
                     self.moved.append(child)
                 waiting.append(child)
@@ -244,22 +244,22 @@ def _link(joint: Element, tag: str) -> str:
     return "" if element is None else str(element.get("link"))
 
 
-def _origin(element: Element, what: str, name: str) -> FloatArray:
+def origin_of(element: Element, what: str, name: str) -> FloatArray:
     pose = np.eye(4)
     origin = element.find("origin")
     if origin is None:
         return pose
     try:
         if origin.get("xyz"):
-            pose[:3, 3] = _numbers(origin, "xyz", 3)
+            pose[:3, 3] = numbers_of(origin, "xyz", 3)
         if origin.get("rpy"):
-            pose[:3, :3] = _rotations.from_rpy(_numbers(origin, "rpy", 3))
+            pose[:3, :3] = _rotations.from_rpy(numbers_of(origin, "rpy", 3))
     except ValueError as error:
         raise UrdfError(f"{name}: {what} <origin> {error}") from None
     return pose
 
 
-def _numbers(element: Element, key: str, count: int) -> FloatArray:
+def numbers_of(element: Element, key: str, count: int) -> FloatArray:
     words = (element.get(key) or "").split()
     try:
         values = np.array([float(word) for word in words])
@@ -271,8 +271,8 @@ def _numbers(element: Element, key: str, count: int) -> FloatArray:
     return values
 
 
-def _length(element: Element, key: str) -> float:
-    value = float(_numbers(element, key, 1)[0])
+def length_of(element: Element, key: str) -> float:
+    value = float(numbers_of(element, key, 1)[0])
     if value < 0.0:
         raise ValueError(f"{key}: expected a length >= 0, got {value:g}")
     return value

@@ -14,7 +14,7 @@ import typer
 from typer.core import TyperCommand
 
 from ..papers import PAPERS
-from . import _options
+from . import _harvest_options, _options
 from ._cluster_app import app as cluster_app
 from ._exits import NOT_ALL_SOLVED, exit_codes, run, say, telling
 
@@ -29,7 +29,15 @@ app.add_typer(cluster_app, name="cluster")
 
 
 def main() -> None:
-    """Run the command line and exit with its status."""
+    """Run the command line and exit with its status.
+
+    Examples
+    --------
+    >>> import subprocess, sys
+    >>> command = [sys.executable, "-m", "agrik_fast.cli", "robots"]
+    >>> "ur5" in subprocess.run(command, capture_output=True, text=True).stdout
+    True
+    """
     run(lambda: app(prog_name="agrik-fast"))
 
 
@@ -298,7 +306,7 @@ def convert(
 
 @app.command()
 def schema(
-    kind: Annotated[str, typer.Argument(help="robot or gains.")],
+    kind: Annotated[str, typer.Argument(help="robot, gains, scene or calibration.")],
 ) -> None:
     """Print the JSON Schema of a kind of file, for editors."""
     with exit_codes():
@@ -414,20 +422,21 @@ def harvest(
     robot: Annotated[
         str, typer.Option(help="An arm on a slide with bodies: a name, .toml or .urdf.")
     ] = "cucumber",
-    distance: Annotated[
-        str, typer.Option(help="exact, or tree: boxes as spheres, as in the paper.")
-    ] = "exact",
-    refine: Annotated[bool, typer.Option(help="Improve postures by a pattern search.")] = True,
-    recovery: Annotated[
-        bool, typer.Option(help="Go on after the best approach angle has failed.")
-    ] = True,
-    blockers: Annotated[bool, typer.Option(help="Name the leaves in the way.")] = True,
+    distance: _harvest_options.DistanceOption = "exact",
+    refine: _harvest_options.Refine = True,
+    recovery: _harvest_options.Recovery = True,
+    blockers: _harvest_options.BlockersOption = True,
     pictures: Annotated[bool, typer.Option(help="Draw pictures; needs Matplotlib.")] = True,
-    tilt_deg: Annotated[float, typer.Option(help="Tilt that the gripper tolerates, deg.")] = 0.0,
-    shift: Annotated[float, typer.Option(help="Shift along the fruit that it tolerates, m.")] = 0.0,
-    min_distance: Annotated[
-        float, typer.Option(help="Distance that postures keep from the crop, m.")
-    ] = 0.005,
+    tilt_deg: _harvest_options.Tilt = 0.0,
+    shift: _harvest_options.Shift = 0.0,
+    min_distance: _harvest_options.MinDistance = 0.005,
+    paths: Annotated[
+        bool, typer.Option("--path", help="Plan the ways into the postures as well.")
+    ] = False,
+    start: Annotated[
+        str | None,
+        typer.Option("--start", help="Where ways start, radians and metres; default: home."),
+    ] = None,
     threads: Annotated[
         int | None, typer.Option(min=1, help="Threads; by default all cores.")
     ] = None,
@@ -438,10 +447,11 @@ def harvest(
     """Decide for every fruit of a scene whether and how it can be picked.
 
     Writes harvest.csv (one row a fruit), harvest.json and pictures: the share that can be
-    picked, why not the rest, and which leaves block it.
+    picked, why not the rest, and which leaves block it. With --path also paths.json: for each
+    fruit the way into its posture, proven free, or why there is none.
     """
     with exit_codes() as kept:
-        from ._harvest import check_folder, evaluate, lines
+        from ._harvest import check_folder, evaluate, lines, settings_of
         from .progress import for_stream
 
         check_folder(output, force=force)
@@ -456,16 +466,19 @@ def harvest(
                 bar.advance(now - done)
                 done = now
 
+            settings = settings_of(
+                refine=refine,
+                recovery=recovery,
+                tilt_deg=tilt_deg,
+                shift=shift,
+                min_distance=min_distance,
+            )
             found = evaluate(
                 scene,
                 robot,
                 distance,
-                refine=refine,
-                recovery=recovery,
+                settings=settings,
                 blockers=blockers,
-                tilt_deg=tilt_deg,
-                shift=shift,
-                min_distance=min_distance,
                 threads=threads,
                 progress=advance,
             )
@@ -474,15 +487,126 @@ def harvest(
         files = write_report(found, output, pictures=pictures, report=say)
         for line in lines(found):
             say(line)
+        if paths:
+            from ._harvest import write_paths
+
+            file, said = write_paths(found, output, start=start, threads=threads)
+            files.append(file)
+            say(said)
         with telling(f"files: {output}"):
             for file in files:
                 typer.echo(str(file))
 
 
 @app.command()
+def view(
+    robot: _options.Robot,
+    scene: Annotated[
+        Path | None, typer.Option(help="What stands round it: a .json or .toml scene file.")
+    ] = None,
+    targets: Annotated[
+        Path | None, typer.Option(help="Targets to step through, as for `solve`.")
+    ] = None,
+    path: Annotated[
+        Path | None,
+        typer.Option(help="Targets to follow, or postures that `solve` wrote, to be played."),
+    ] = None,
+    show: Annotated[
+        str, typer.Option(help="What the arm is shown as: auto, chain, bodies or visuals.")
+    ] = "auto",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port; 0 takes a free one.")] = 8080,
+    host: Annotated[
+        str, typer.Option(help="Address to listen to; by default this machine alone.")
+    ] = "127.0.0.1",
+    export: Annotated[
+        Path | None,
+        typer.Option(help="Write a page that needs no server instead: a .html file."),
+    ] = None,
+    browser: Annotated[
+        bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")
+    ] = True,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing page.")] = False,
+    base_link: _options.BaseLink = None,
+    tip_link: _options.TipLink = None,
+    tool: _options.Tool = None,
+    frame: _options.Frame = None,
+) -> None:
+    """Show an arm in the browser: drag its target, look at branches, limits and collisions.
+
+    Ctrl-C ends it. Needs the extra `viewer`.
+    """
+    with exit_codes() as kept:
+        from ..jobs import RobotChoice
+        from ._view import ViewRequest, write_page
+
+        kept.what = lambda: "the viewer has ended"
+        choice = RobotChoice(robot, base_link, tip_link, _options.tool(tool), frame)
+        request = ViewRequest(choice, scene, targets, path, show, host, port)
+        if export is not None:
+            kept.what = lambda: "nothing was written"
+            file = write_page(request, export, force=force)
+            with telling(f"page: {file}"):
+                typer.echo(f"page: {file}")
+            return
+        with request.open(browser=browser) as viewer:
+            with telling():
+                typer.echo(f"{viewer.robot.name}: {viewer.url} (Ctrl-C ends it)")
+            viewer.wait()
+
+
+@app.command()
+def plan(
+    robot: _options.Robot,
+    target: Annotated[
+        str,
+        typer.Option(
+            "--target",
+            help="A target of the scene by name, x,y,z in metres, x,y,z,roll,pitch,yaw with "
+            "radians, or q= and joint values.",
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Trajectory: .csv, .json, .npz, ...")
+    ],
+    scene: Annotated[
+        Path | None, typer.Option("--scene", help="What stands round it: .json or .toml.")
+    ] = None,
+    start: Annotated[
+        str | None,
+        typer.Option("--start", help="Start values in radians and metres; default: home."),
+    ] = None,
+    clear: Annotated[float, typer.Option(help="Distance kept from the scene, m.")] = 0.002,
+    blend: Annotated[
+        float, typer.Option(help="How much of a segment corners are rounded on, 0 to 0.5.")
+    ] = 0.4,
+    seed: Annotated[int, typer.Option(min=0, help="Which random numbers are drawn.")] = 0,
+    force: Annotated[
+        bool, typer.Option("--force", help="Write over a file that is there.")
+    ] = False,
+) -> None:
+    """Plan a path that is proven free, and write it as a trajectory.
+
+    Corners are rounded as far as that is proven too. Exit status 3 where there is no path; the
+    reason is said.
+    """
+    with exit_codes():
+        from ._motion import lines, trajectory
+        from ._motion import plan as planned
+
+        arm, around, found = planned(robot, scene, start, target, clear=clear, seed=seed)
+        for line in lines(found):
+            say(line)
+        if not found.ok:
+            raise typer.Exit(NOT_ALL_SOLVED)
+        made = trajectory(arm, around, found, blend=blend, clear=clear)
+        made.save(output, force=force)
+        say(f"{len(made.times)} points, {made.duration:.3f} s: {output}")
+
+
+@app.command()
 def paper(
     name: Annotated[
-        str, typer.Argument(help=f"Whose paper: {', '.join(PAPERS[:-1])} or {PAPERS[-1]}.")
+        str, typer.Argument(help=f"Whose paper: {', '.join(PAPERS)}, or all of them: all.")
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
     force: Annotated[
@@ -498,16 +622,31 @@ def paper(
 ) -> None:
     """Compute a paper's tables and figures anew and write them to a folder.
 
-    Published values, where there are any, stand beside ours. Needs the extra `papers`.
+    Published values, where there are any, stand beside ours. `all` gives each paper a folder,
+    and one page, index.html, with every table and picture. Needs the extra `papers`.
     """
     with exit_codes() as kept:
-        from ._paper import reproduce
+        from ._paper import ALL, check, reproduce
+        from .progress import for_stream
 
-        def report(line: str) -> None:
-            say(f"{name}: {line}")
-
+        check(name, output, force=force, experiments=experiments)
         kept.what = lambda: f"files that were finished are in {output}"
-        files = reproduce(name, output, report, force=force, experiments=experiments)
+        if name == ALL:
+            with for_stream(sys.stderr) as bar:
+                bar.start("papers", len(PAPERS))
+                files = reproduce(
+                    name,
+                    output,
+                    bar.note,
+                    done=lambda _: bar.advance(1),
+                )
+        else:
+            files = reproduce(
+                name,
+                output,
+                lambda line: say(f"{name}: {line}"),
+                experiments=experiments,
+            )
         with telling(f"files: {output}"):
             for file in files:
                 typer.echo(str(file))

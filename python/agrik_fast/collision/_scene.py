@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from os import PathLike
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
@@ -17,6 +17,11 @@ from ._content import TOUCH_RADIUS, Content, Pair, Target, checked_content
 from ._files import content_of, load, save, table_of
 from ._objects import SceneObject
 from ._queries import Queries
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..robot import Robot
 
 __all__ = ["Scene", "document_of", "from_document"]
 
@@ -136,6 +141,15 @@ class Scene(Queries):
         ------
         UnknownNameError
             No target has that name.
+
+        Examples
+        --------
+        >>> scene = ik.harvest.example_scene()
+        >>> aim = scene.aiming_at("C1")
+        >>> q = ik.harvest.plan("cucumber", scene, ["C1"]).q[0]
+        >>> arm = ik.Robot.load("cucumber")
+        >>> bool(aim.clearance(arm, q) > scene.clearance(arm, q))
+        True
         """
         if target is not None:
             word("target", target, self.targets)
@@ -159,6 +173,13 @@ class Scene(Queries):
         ------
         UnknownNameError
             No object has that name.
+
+        Examples
+        --------
+        >>> scene = ik.collision.greenhouse(seed=1, plants=1)
+        >>> name = scene.objects[0].name
+        >>> len(scene.objects) - len(scene.without(name).objects)
+        1
         """
         for name in names:
             word("object", name, self.names)
@@ -189,6 +210,12 @@ class Scene(Queries):
         ------
         ArgumentError
             A name is there already.
+
+        Examples
+        --------
+        >>> ball = ik.collision.SceneObject.of("ball", ik.collision.Sphere((1, 0, 0), 0.1))
+        >>> len(ik.Scene([]).with_objects(ball).objects)
+        1
         """
         content = self._content
         together = checked_content(
@@ -212,6 +239,14 @@ class Scene(Queries):
         ------
         ArgumentError
             Not a rigid transform.
+
+        Examples
+        --------
+        >>> pose = ik.rotations.pose([0, 0, 1.0])
+        >>> scene = ik.collision.greenhouse(seed=1, plants=1)
+        >>> raised = scene.moved(pose)
+        >>> round(raised.targets["F0_0"].point[2] - scene.targets["F0_0"].point[2], 6)
+        1.0
         """
         turn, shift = pose_of("pose", pose)
         return self._changed(
@@ -224,6 +259,53 @@ class Scene(Queries):
 
     def _changed(self, **changes: Any) -> Scene:
         return _rebuilt(replace(self._content, **changes))
+
+    def plot(
+        self,
+        arm: Robot | None = None,
+        q: ArrayLike | None = None,
+        *,
+        skip: Iterable[str] = (),
+        view: tuple[float, float] = (22.0, -60.0),
+        axes: Any = None,
+    ) -> Figure:
+        """Draw the scene in space; needs the extra ``plots``.
+
+        Parameters
+        ----------
+        arm : Robot, optional
+            An arm that is drawn in it.
+        q : array_like, shape (..., n), rad or m, optional
+            Its posture, or postures as for `Robot.plot`; default its home.
+        skip : iterable of str, optional
+            Kinds of objects that are left out. Half-spaces have no end, and are never drawn.
+        view : (float, float), default (22, -60)
+            Elevation and azimuth that it is seen from, deg.
+        axes : Axes3D, optional
+            Where to draw; default: a new figure as wide as a page.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure, which belongs to no window; targets are stars.
+
+        Raises
+        ------
+        ArgumentError
+            A posture without an arm, or of a wrong shape.
+        MissingExtraError
+            Matplotlib is not installed.
+
+        Examples
+        --------
+        >>> from agrik_fast.collision import Sphere, SceneObject
+        >>> scene = Scene([SceneObject.of("berry", Sphere([0.3, 0, 0.5], 0.02), kind="fruit")])
+        >>> scene.plot().axes[0].get_zlabel()
+        'z [m]'
+        """
+        from .drawing import plot
+
+        return plot(self, arm, q, skip, view, axes)
 
     # -- files -------------------------------------------------------------------------
 
@@ -247,6 +329,12 @@ class Scene(Queries):
             The file has faults; lists all of them with their places.
         ArgumentError
             The path leads to no file of a known kind.
+
+        Examples
+        --------
+        >>> ik.collision.greenhouse(seed=1, plants=1).save("plant.json")
+        >>> "F0_0" in ik.Scene.load("plant.json").targets
+        True
         """
         return _rebuilt(load(path))
 
@@ -272,6 +360,13 @@ class Scene(Queries):
             The file cannot be written, or exists already.
         ArgumentError
             Another suffix or unit.
+
+        Examples
+        --------
+        >>> scene = ik.collision.greenhouse(seed=1, plants=1)
+        >>> scene.save("crop.toml", unit="mm", about="one plant")
+        >>> len(ik.Scene.load("crop.toml").objects) == len(scene.objects)
+        True
         """
         save(self._content, path, unit=unit, about=about, force=force)
 
@@ -314,6 +409,7 @@ def from_document(
 
     Examples
     --------
+    >>> from agrik_fast.collision import from_document
     >>> ball = {"name": "ball", "spheres": [[0, 0, 500, 40]]}
     >>> scene = from_document({"unit": "mm", "objects": [ball]})
     >>> scene["ball"].spheres
@@ -342,6 +438,12 @@ def document_of(scene: Scene, *, unit: str = "m", about: str = "") -> dict[str, 
     ------
     ArgumentError
         Another unit; no scene.
+
+    Examples
+    --------
+    >>> scene = ik.collision.greenhouse(seed=1, plants=1)
+    >>> ik.collision.document_of(scene, unit="mm")["unit"]
+    'mm'
     """
     if not isinstance(scene, Scene):
         raise ArgumentError("scene", shown(scene), "a Scene")

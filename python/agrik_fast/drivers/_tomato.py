@@ -60,11 +60,13 @@ class TomatoRig(Rig):
 
     Examples
     --------
-    With the simulator built (``make firmware``)::
+    In the simulator (``make firmware``); a port's name would do the same on a real line.
 
-        with TomatoRig() as rig:
-            rig.home()
-            rig.move(target=[0.2, 0.05, 0.1])
+    >>> from agrik_fast.drivers import Simulator, TomatoRig
+    >>> with TomatoRig(Simulator("tomato")) as rig:
+    ...     rig.home()
+    ...     print(rig.move(target=[0.2, 0.05, 0.1]).state)
+    idle
     """
 
     name = "tomato"
@@ -128,6 +130,12 @@ class TomatoRig(Rig):
             Too far, too near, or no branch is within the servos' limits.
         ArgumentError
             It is no point.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import TomatoRig
+        >>> TomatoRig("loop://").solve([0.2, 0.05, 0.1]).shape
+        (3,)
         """
         from ..arms import HOME
 
@@ -159,6 +167,14 @@ class TomatoRig(Rig):
         """Move to the pose that the arm starts from.
 
         The first pulse after power comes without a ramp: the board cannot know where a servo is.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     print(rig.status().homed)
+        True
         """
         from ..arms import HOME
 
@@ -193,6 +209,15 @@ class TomatoRig(Rig):
             Beyond the limits, or out of reach.
         RigFaultError
             The board stopped.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     status = rig.move(target=[0.2, 0.05, 0.1])
+        >>> status.moving
+        False
         """
         if (q is None) == (target is None):
             raise ArgumentError("q, target", "both" if q is not None else "neither", "one of them")
@@ -234,6 +259,15 @@ class TomatoRig(Rig):
             Beyond the limits.
         RigError
             The board refuses, or does not answer.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     rig.aim(rig.status().q + 0.05)
+        ...     print(rig.status().moving)
+        True
         """
         values = self._checked("q", q)
         band = real_number("dead_band_us", dead_band_us, 0, 50, unit="us")
@@ -248,6 +282,14 @@ class TomatoRig(Rig):
         ------
         RigFaultError
             The board stopped.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     print(rig.watch().state)
+        idle
         """
         report = self._watch_quietly()
         pulses = np.array([report.servo[each.index] / 2 for each in self.calibration.servo])
@@ -263,7 +305,16 @@ class TomatoRig(Rig):
         return super()._watch()
 
     def touching(self) -> bool:
-        """Whether the sensor at the tip says that the surface is as near as `stop_at`."""
+        """Whether the sensor at the tip says that the surface is as near as `stop_at`.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     print(rig.touching())
+        False
+        """
         if self._contact is None:
             return False
         said = self._contact()
@@ -293,6 +344,16 @@ class TomatoRig(Rig):
         ------
         ArgumentError
             A point is beyond the limits: nothing moves.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     q = rig.status().q
+        ...     status = rig.follow([q + 0.01 * k for k in range(5)])
+        >>> status.q.shape
+        (3,)
         """
         given = float_array("path", path)
         if given.ndim != 2 or given.shape[1] != 3 or not len(given):
@@ -316,11 +377,28 @@ class TomatoRig(Rig):
         ------
         RigError
             Always.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import RigError, TomatoRig
+        >>> try:
+        ...     TomatoRig("loop://").gripper(open=True)
+        ... except RigError as error:
+        ...     print(type(error).__name__)
+        RigError
         """
         raise RigError("the tomato rig has no gripper")
 
     def release(self) -> None:
-        """End the pulses: the servos let go."""
+        """End the pulses: the servos let go.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     rig.release()
+        """
         with self._moving():
             self.link.command(Type.SERVOS, Servos(0, 0, 0, 0).pack(), "to end the pulses")
             self._commanded = self._horns = None

@@ -1,5 +1,8 @@
 """Harvest postures: whether an arm can pick a fruit among leaves, and how."""
 
+from ._crops import CropsJob
+from ._cutter import Cut, Cutter, cuts, with_cutter
+from ._cycle import Cycle, Leg, cycle
 from ._decisions import Attempt, Decision, Decisions, Stage, Status
 from ._evaluate import Evaluation, evaluate
 from ._plan import Blockers, blockers, plan
@@ -13,11 +16,16 @@ __all__ = [
     "SCENES",
     "Attempt",
     "Blockers",
+    "CropsJob",
+    "Cut",
+    "Cutter",
+    "Cycle",
     "Decision",
     "Decisions",
     "Distance",
     "Errors",
     "Evaluation",
+    "Leg",
     "Programme",
     "Runs",
     "Sensitivity",
@@ -28,11 +36,14 @@ __all__ = [
     "Terms",
     "Weights",
     "blockers",
+    "cuts",
+    "cycle",
     "evaluate",
     "example_scene",
     "plan",
     "sensitivity",
     "simulate",
     "summary",
+    "with_cutter",
     "write_report",
 ]

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks import FloatArray, word
+from ..errors import ArgumentError
+from ..motion import Plan
 
 __all__ = ["Attempt", "Decision", "Decisions", "Stage", "Status"]
 
@@ -21,7 +23,14 @@ GAP = 0.010
 
 
 class Status(IntEnum):
-    """What became of a target."""
+    """What became of a target.
+
+    Examples
+    --------
+    >>> found = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1", "C3"])
+    >>> [ik.harvest.Status(code).name for code in found.status]
+    ['OK', 'APPROACH_BLOCKED']
+    """
 
     OK = 0
     """There is a posture, free of collisions and within the limits."""
@@ -40,7 +49,14 @@ class Status(IntEnum):
 
 
 class Stage(IntEnum):
-    """Which part of the method found a posture, in the order in which they are tried."""
+    """Which part of the method found a posture, in the order in which they are tried.
+
+    Examples
+    --------
+    >>> found = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1"])
+    >>> ik.harvest.Stage(found.stage[0]).name
+    'FIRST'
+    """
 
     FIRST = 0
     """The best approach angle."""
@@ -68,6 +84,12 @@ class Attempt:
         Part of the method that made it.
     reached, within, admissible : int
         Postures: without regard to limits, within them, and free as well.
+
+    Examples
+    --------
+    >>> one = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1"])["C1"]
+    >>> one.attempts[0].admissible > 0
+    True
     """
 
     psi: float
@@ -114,6 +136,18 @@ class Decision:
     singular : int
         Places of the slide that were skipped, as the shoulder is singular there.
     attempts : tuple of Attempt
+    path : motion.Plan or None
+        The way into a posture, where it was asked for; it ends in `q`, or in another admissible
+        posture where no way leads there.
+    blockers_path : tuple of str or None
+        Few removable objects without which a path is found, where there is a posture and no
+        path; None where that does not help, or there is nothing to help.
+
+    Examples
+    --------
+    >>> one = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1"])["C1"]
+    >>> one.status.name, one.stage.name, one.q.shape
+    ('OK', 'FIRST', (7,))
     """
 
     name: str
@@ -135,11 +169,23 @@ class Decision:
     open: int
     singular: int
     attempts: tuple[Attempt, ...]
+    path: Plan | None = None
+    blockers_path: tuple[str, ...] | None = None
 
     @property
     def ok(self) -> bool:
         """There is a posture to go to."""
         return self.status == Status.OK
+
+    @property
+    def reachable_posture(self) -> bool:
+        """There is a posture, whether or not a path leads into it."""
+        return self.ok
+
+    @property
+    def reachable_path(self) -> bool:
+        """A path into a posture was found, and is proven free."""
+        return self.path is not None and self.path.ok
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,6 +208,12 @@ class Decisions:
         Codes of `Stage`.
     refined, straight : ndarray of bool, shape (n,)
         A pattern search made it better; the wrist is nearly straight.
+
+    Examples
+    --------
+    >>> found = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1", "C3"])
+    >>> found.names, found.q.shape, found["C1"].name
+    (('C1', 'C3'), (2, 7), 'C1')
     """
 
     names: tuple[str, ...]
@@ -183,6 +235,23 @@ class Decisions:
         """Which targets have a posture to go to."""
         return np.asarray(self.status == Status.OK)
 
+    @property
+    def paths(self) -> list[Plan]:
+        """The ways into the postures, where they were asked for."""
+        if "paths" not in self.columns:
+            raise ArgumentError("path", "False", "True in the call of plan, for paths")
+        return list(self.columns["paths"])
+
+    @property
+    def reachable_posture(self) -> NDArray[np.bool_]:
+        """Which targets have a posture, whether or not a path leads into it."""
+        return self.ok
+
+    @property
+    def reachable_path(self) -> NDArray[np.bool_]:
+        """Which targets have a path that is proven free."""
+        return np.array([path.ok for path in self.paths], dtype=bool)
+
     def __len__(self) -> int:
         return len(self.names)
 
@@ -195,6 +264,7 @@ class Decisions:
             target = self.names.index(target)
         k = range(len(self))[target]
         of = {name: column[k] for name, column in self.columns.items() if name != "attempts"}
+        path, blockers = of.get("paths"), of.get("blockers_path")
         return Decision(
             name=self.names[k],
             status=Status(of["status"]),
@@ -207,6 +277,8 @@ class Decisions:
             open=int(of["open"]),
             singular=int(of["singular"]),
             attempts=tuple(self._attempts(k)),
+            path=path,
+            blockers_path=blockers,
             **{
                 name: float(of[name])
                 for name in (
@@ -249,7 +321,14 @@ class Decisions:
         return tuple(found)
 
     def shares(self) -> dict[str, float]:
-        """Return the share of the targets with each status that occurs, most frequent first."""
+        """Return the share of the targets with each status that occurs, most frequent first.
+
+        Examples
+        --------
+        >>> found = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1", "C3"])
+        >>> found.shares()
+        {'OK': 0.5, 'APPROACH_BLOCKED': 0.5}
+        """
         codes, counts = np.unique(self.status, return_counts=True)
         order = np.argsort(-counts, kind="stable")
         total = max(1, len(self))

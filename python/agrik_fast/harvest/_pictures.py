@@ -8,35 +8,28 @@ import numpy as np
 
 from .._checks import FloatArray
 from ..collision import Scene
-from ..errors import AgrikError
+from ..collision.drawing import draw_scene
+from ..plots import GREY, PAGE_WIDTH, PALE, PALETTE, figure, frame_space, styled
 from ._decisions import Status
 from ._evaluate import Evaluation
 from ._station import moved_along
-from .drawing import draw_arm, draw_scene, frame_space
+from .drawing import draw_arm
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 STATUS_COLOURS = {
-    Status.OK: "#1b7837",
-    Status.APPROACH_BLOCKED: "#d73027",
-    Status.NO_COLLISION_FREE: "#fc8d59",
-    Status.OUT_OF_REACH: "#878787",
-    Status.JOINT_LIMITS: "#4575b4",
-    Status.BAD_INPUT: "#000000",
-    Status.TIME_LIMIT: "#762a83",
+    Status.OK: PALETTE[2],
+    Status.APPROACH_BLOCKED: PALETTE[1],
+    Status.NO_COLLISION_FREE: PALETTE[4],
+    Status.OUT_OF_REACH: GREY,
+    Status.JOINT_LIMITS: PALETTE[0],
+    Status.BAD_INPUT: PALETTE[6],
+    Status.TIME_LIMIT: PALETTE[3],
 }
 
 
-def figure(width: float, height: float) -> Figure:
-    """Return an empty figure (inches) that belongs to no window."""
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise AgrikError("pictures need Matplotlib; install agrik_fast[papers]") from None
-    return Figure(figsize=(width, height), layout="constrained")
-
-
+@styled
 def status_pictures(found: Evaluation) -> dict[str, Figure]:
     """Return pictures of an evaluation by name: shares, the row, and leaves in the way."""
     out = {"shares": _shares(found), "row": _row(found)}
@@ -49,7 +42,7 @@ def status_pictures(found: Evaluation) -> dict[str, Figure]:
 
 
 def _shares(found: Evaluation) -> Figure:
-    drawing = figure(6, 3.2)
+    drawing = figure(PAGE_WIDTH, 3.2)
     axes = drawing.add_subplot()
     of = found.decisions.shares()
     names = list(of)[::-1]
@@ -57,7 +50,7 @@ def _shares(found: Evaluation) -> Figure:
     for k, name in enumerate(names):
         axes.text(100 * of[name] + 1, k, f"{100 * of[name]:.1f} %", va="center")
     axes.set_xlim(0, 115)
-    axes.set_xlabel(f"share of {len(found.decisions)} fruits, %")
+    axes.set_xlabel(f"share of {len(found.decisions)} fruits [%]")
     axes.set_title(f"{100 * found.share:.1f} % can be picked")
     return drawing
 
@@ -67,16 +60,16 @@ def _colour(name: str) -> str:
 
 
 def _row(found: Evaluation) -> Figure:
-    drawing = figure(9, 4.5)
+    drawing = figure(PAGE_WIDTH, 4.2)
     axes = drawing.add_subplot()
     points = np.array([target.point for target in found.scene.targets.values()])
     for one in found.scene.objects:
         if len(one.spheres):
             axes.scatter(
-                one.spheres[:, 1], one.spheres[:, 2], s=2, color="#c7e9c0", linewidths=0, zorder=0
+                one.spheres[:, 1], one.spheres[:, 2], s=2, color=PALE, linewidths=0, zorder=0
             )
         for row in one.capsules:
-            axes.plot(row[[1, 4]], row[[2, 5]], color="#d9d9d9", linewidth=1, zorder=0)
+            axes.plot(row[[1, 4]], row[[2, 5]], color=PALE, linewidth=1, zorder=0)
     for status, colour in STATUS_COLOURS.items():
         rows = found.decisions.status == status
         if rows.any():
@@ -87,20 +80,20 @@ def _row(found: Evaluation) -> Figure:
                 color=colour,
                 label=f"{status.name} ({int(rows.sum())})",
             )
-    axes.set_xlabel("y, m, along the row")
-    axes.set_ylabel("z, m")
+    axes.set_xlabel("y along the row [m]")
+    axes.set_ylabel("z [m]")
     axes.set_xlim(points[:, 1].min() - 0.3, points[:, 1].max() + 0.3)
     axes.set_ylim(min(0.3, points[:, 2].min() - 0.1), points[:, 2].max() + 0.4)
-    axes.legend(loc="upper right", fontsize=8)
+    axes.legend(loc="upper right")
     axes.set_title("what became of each fruit, seen from the arm")
     return drawing
 
 
 def _blockers(found: Evaluation) -> Figure:
     worst = found.leaves()[:20][::-1]
-    drawing = figure(6, 1.2 + 0.25 * len(worst))
+    drawing = figure(PAGE_WIDTH, 1.2 + 0.25 * len(worst))
     axes = drawing.add_subplot()
-    axes.barh([name for name, _ in worst], [count for _, count in worst], color="#d73027")
+    axes.barh([name for name, _ in worst], [count for _, count in worst], color=PALETTE[1])
     axes.set_xlabel("fruits that it blocks")
     axes.set_title("leaves in the way")
     return drawing
@@ -110,10 +103,10 @@ def posture_picture(found: Evaluation, row: int) -> Figure:
     """Return a picture in space of the arm at one posture, with what is near."""
     one = found.decisions[row]
     point = np.array(found.scene.targets[one.name].point)
-    drawing = figure(7, 6.5)
+    drawing = figure(PAGE_WIDTH, 5.6)
     axes = drawing.add_subplot(projection="3d")
     low, high = point - np.array([0.9, 0.7, 0.8]), point + np.array([0.3, 0.7, 0.6])
-    draw_scene(axes, near(found.scene, low, high), skip=("ground",))
+    draw_scene(axes, near(found.scene, low, high).objects, skip=("ground",))
     draw_arm(axes, moved_along(found.robot, float(found.along[row])), one.q)
     axes.scatter(*point, color="black", marker="x", s=40)
     frame_space(axes, low.tolist(), high.tolist(), (20, -110))

@@ -3,71 +3,20 @@
 from __future__ import annotations
 
 import csv
-import functools
 import io
 import time
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from .._atomic import write_bytes
 from ..errors import AgrikError
+from ..plots import PNG_DPI
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PNG_DPI = 130
-PAGE_WIDTH = 6.5
-"""Width of a page's text, in; figures as wide are shown at their own size."""
-
-PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
-"""Colours that the colour-blind tell apart too (Okabe and Ito)."""
-
-GREY = "#888888"
-_STYLE = {
-    "font.size": 9,
-    "axes.titlesize": 9,
-    "axes.labelsize": 9,
-    "xtick.labelsize": 9,
-    "ytick.labelsize": 9,
-    "legend.fontsize": 9,
-    "figure.titlesize": 9,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "legend.frameon": False,
-    "lines.linewidth": 1.4,
-}
 _KeyT = TypeVar("_KeyT", bound=Hashable)
-_P = ParamSpec("_P")
-_T = TypeVar("_T")
-
-
-def styled(draw: Callable[_P, _T]) -> Callable[_P, _T]:
-    """Return a function that draws in the style of this package's figures."""
-
-    @functools.wraps(draw)
-    def drawn(*args: _P.args, **kwargs: _P.kwargs) -> _T:
-        figure(1.0, 1.0)  # says what is missing
-        import matplotlib as mpl
-        from cycler import cycler
-
-        style: Any = {**_STYLE, "axes.prop_cycle": cycler(color=PALETTE)}
-        with mpl.rc_context(style):
-            return draw(*args, **kwargs)
-
-    return drawn
-
-
-def figure(width: float, height: float) -> Figure:
-    """Return an empty figure (inches) that belongs to no window."""
-    try:
-        import matplotlib as mpl
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise AgrikError("figures need Matplotlib; install the extra: agrik_fast[papers]") from None
-    # The same drawing has the same bytes, whoever makes it.
-    mpl.rcParams["svg.hashsalt"] = "agrik_fast"
-    return Figure(figsize=(width, height), layout="constrained")
 
 
 def save(drawing: Figure, directory: Path, name: str) -> list[Path]:

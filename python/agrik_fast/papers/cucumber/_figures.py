@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 
 from ... import harvest
 from ...collision import Scene
+from ...collision.drawing import draw_scene
 from ...harvest import Decision, Runs
-from ...harvest.drawing import box_faces, draw_arm, draw_boxes, draw_scene, frame_space
+from ...harvest.drawing import draw_arm
 from ...harvest.scans import approach_scan, slide_table
+from ...plots import GREY, PAGE_WIDTH, PALETTE, add_triangles, figure, frame_space
 from ...robot import Robot
-from .._output import figure, save
+from .._output import save
 from ._published import GENETIC
 
 ROBOT = "cucumber"
@@ -36,23 +38,23 @@ def robot(directory: Path) -> list[Path]:
     q = np.array([0.5, 0.0, -np.pi / 2, 0.0, 0.0, 0.0, np.pi])
     scene = harvest.example_scene()
     machine = Scene([one for one in scene.objects if one.kind == "machine"])
-    drawing = figure(7, 6)
+    drawing = figure(PAGE_WIDTH, 5.4)
     axes = _space(drawing, (1, 1, 1))
-    draw_scene(axes, machine)
+    draw_scene(axes, machine.objects)
     draw_arm(axes, arm, q)
     frame_space(axes, [-0.5, -1.0, 0.0], [0.9, 1.0, 1.6], (18, -60))
     axes.set_title("six-axis arm on a slide along the row")
     files = save(drawing, directory, "figure1")
-    drawing = figure(7, 6)
+    drawing = figure(PAGE_WIDTH, 5.4)
     axes = _space(drawing, (1, 1, 1))
     frames = arm.fk_links(q)
     points = np.concatenate([arm.base[None, :3, 3], frames[:, :3, 3]])
     axes.plot(*points.T, "-o", color="black", linewidth=2)
     for k, pose in enumerate(frames[:-1]):
-        axes.quiver(*pose[:3, 3], *(0.14 * pose[:3, 2]), color="#d73027")
-        axes.text(*(pose[:3, 3] + 0.15 * pose[:3, 2]), arm.joint_names[k], color="#d73027")
+        axes.quiver(*pose[:3, 3], *(0.14 * pose[:3, 2]), color=PALETTE[1])
+        axes.text(*(pose[:3, 3] + 0.15 * pose[:3, 2]), arm.joint_names[k], color=PALETTE[1])
     tool = frames[-1]
-    for axis, colour in zip(range(3), ("#b2182b", "#1b7837", "#2166ac"), strict=True):
+    for axis, colour in zip(range(3), (PALETTE[1], PALETTE[2], PALETTE[0]), strict=True):
         axes.quiver(*tool[:3, 3], *(0.1 * tool[:3, axis]), color=colour)
     frame_space(axes, [-0.2, -0.4, 0.5], [0.8, 0.4, 1.5], (18, -60))
     axes.set_title("axes of the joints and frame of the tool")
@@ -61,11 +63,11 @@ def robot(directory: Path) -> list[Path]:
 
 def vertical(directory: Path) -> list[Path]:
     """Figure 3: a cucumber hangs straight down, so the approach angle is free."""
-    drawing = figure(7, 6)
+    drawing = figure(PAGE_WIDTH, 5.4)
     axes = _space(drawing, (1, 1, 1))
     arm, scene = Robot.load(ROBOT), harvest.example_scene("cucumber_thin")
     point = np.array(scene.targets["C1"].point)
-    for psi, colour in ((-40, "#4393c3"), (0, "#e08214"), (40, "#762a83")):
+    for psi, colour in ((-40, PALETTE[5]), (0, PALETTE[4]), (40, PALETTE[3])):
         settings = harvest.Settings(range=np.radians(abs(psi)), angles=1 if psi == 0 else 3)
         found = harvest.plan(arm, scene, "C1", settings=settings, method="full")["C1"]
         table = slide_table(arm, scene, "C1", np.radians(psi))
@@ -76,7 +78,7 @@ def vertical(directory: Path) -> list[Path]:
             draw_arm(axes, arm, found.q, colour, 0.25)
         way = 0.35 * np.array([np.cos(np.radians(psi)), np.sin(np.radians(psi)), 0])
         axes.quiver(*(point - way), *way, color=colour, arrow_length_ratio=0.2)
-    draw_scene(axes, Scene([one for one in scene.objects if one.kind == "fruit"]))
+    draw_scene(axes, [one for one in scene.objects if one.kind == "fruit"])
     _frame(axes, (30, -115))
     axes.set_title("three positions and the turn about the vertical: four degrees of freedom")
     return save(drawing, directory, "figure3")
@@ -84,10 +86,10 @@ def vertical(directory: Path) -> list[Path]:
 
 def crop(directory: Path, scene: Scene) -> list[Path]:
     """Figure 4: the made-up crop, two views."""
-    drawing = figure(12, 5.5)
+    drawing = figure(PAGE_WIDTH, 3.6)
     for k, view in enumerate(VIEWS):
         axes = _space(drawing, (1, 2, k + 1))
-        draw_scene(axes, scene, skip=("machine",))
+        draw_scene(axes, scene.objects, skip=("machine",))
         _frame(axes, view)
     return save(drawing, directory, "figure4")
 
@@ -96,13 +98,13 @@ def _postures(
     directory: Path, name: str, scene: Scene, postures: list[tuple[str, Array]]
 ) -> list[Path]:
     arm = Robot.load(ROBOT)
-    drawing = figure(5.5 * len(postures), 5.6)
+    drawing = figure(min(3.25 * max(len(postures), 1.5), PAGE_WIDTH), 3.9)
     for k, (title, q) in enumerate(postures):
         axes = _space(drawing, (1, len(postures), k + 1))
-        draw_scene(axes, scene, skip=("machine",))
+        draw_scene(axes, scene.objects, skip=("machine",))
         draw_arm(axes, arm, q)
         _frame(axes, VIEWS[0])
-        axes.set_title(title, fontsize=9)
+        axes.set_title(title)
     return save(drawing, directory, name)
 
 
@@ -124,14 +126,14 @@ def scans(directory: Path, scene: Scene, name: str = "C1") -> list[Path]:
     """Figures 6 to 8: the scan of angles, its best, and the scan of the slide."""
     scan = approach_scan(ROBOT, scene, name)
     psi = np.degrees(scan["psi"])
-    drawing = figure(7, 3.8)
+    drawing = figure(PAGE_WIDTH, 3.4)
     axes = drawing.add_subplot()
     axes.plot(psi, 1e3 * scan["hard"], label="gripper and flange")
     axes.plot(psi, 1e3 * scan["soft"], "--", label="wrist and forearm, wrist straight")
     best = int(np.flatnonzero(scan["rank"] == 0)[0])
-    axes.axvline(psi[best], color="#d73027", label=f"best, {psi[best]:.1f} deg")
-    axes.set_xlabel("approach angle, deg")
-    axes.set_ylabel("distance from the crop, mm")
+    axes.axvline(psi[best], color=PALETTE[1], label=f"best, {psi[best]:.1f} deg")
+    axes.set_xlabel("approach angle [deg]")
+    axes.set_ylabel("distance from the crop [mm]")
     axes.legend()
     files = save(drawing, directory, "figure6")
     table = slide_table(ROBOT, scene, name, float(scan["psi"][best]))
@@ -139,7 +141,7 @@ def scans(directory: Path, scene: Scene, name: str = "C1") -> list[Path]:
     chosen = admissible[table["score"][admissible].argmax()]
     title = f"{psi[best]:.1f} deg: {1e3 * scan['hard'][best]:.0f} mm round the gripper"
     files += _postures(directory, "figure7", scene, [(title, table["q"][chosen])])
-    drawing = figure(7, 3.8)
+    drawing = figure(PAGE_WIDTH, 3.4)
     axes = drawing.add_subplot()
     for branch in np.unique(table["branch"]):
         rows = table["branch"] == branch
@@ -150,9 +152,9 @@ def scans(directory: Path, scene: Scene, name: str = "C1") -> list[Path]:
             label=f"branch {branch}",
         )
     axes.plot(1e3 * table["slide"][chosen], 1e3 * table["distance"][chosen], "k*", markersize=14)
-    axes.set_xlabel("place of the slide, mm")
-    axes.set_ylabel("distance from the crop, mm")
-    axes.legend(fontsize=8)
+    axes.set_xlabel("place of the slide [mm]")
+    axes.set_ylabel("distance from the crop [mm]")
+    axes.legend()
     return files + save(drawing, directory, "figure8")
 
 
@@ -180,14 +182,14 @@ def thinned(directory: Path, scene: Scene) -> list[Path]:
         assert found is not None
         cleared = scene.without(*found.names)
         one = harvest.plan(ROBOT, cleared, name)[name]
-        drawing = figure(12, 5.5)
+        drawing = figure(PAGE_WIDTH, 3.6)
         gone = Scene([scene[leaf] for leaf in found.names])
         for k, shown in enumerate((scene, cleared)):
             axes = _space(drawing, (1, 2, k + 1))
-            draw_scene(axes, shown, skip=("machine",))
+            draw_scene(axes, shown.objects, skip=("machine",))
             if k == 0:
                 rows = np.concatenate([leaf.spheres for leaf in gone.objects])
-                axes.scatter(*rows[:, :3].T, color="#d73027", marker="x", s=26)
+                axes.scatter(*rows[:, :3].T, color=PALETTE[1], marker="x", s=26)
                 axes.set_title(f"{name}: {', '.join(found.names)} in the way")
             else:
                 draw_arm(axes, Robot.load(ROBOT), one.q)
@@ -203,15 +205,17 @@ def boxes(directory: Path) -> list[Path]:
 
     arm = Robot.load(ROBOT)
     q = np.array([0.5, 0.0, -np.pi / 2, 0.0, 0.0, 0.0, np.pi])
-    drawing = figure(7, 6)
+    drawing = figure(PAGE_WIDTH, 5.4)
     axes = _space(drawing, (1, 1, 1))
     draw_arm(axes, arm, q, alpha=0.4)
     frame_space(axes, [-0.35, -0.4, 0.5], [0.75, 0.4, 1.6], (15, -60))
     files = save(drawing, directory, "figureA1")
-    drawing = figure(13, 5)
+    drawing = figure(PAGE_WIDTH, 3.4)
     turn = np.linspace(0, 2 * np.pi, 25)
     poses = arm.fk_links(q)
     frames = arm.compiled_bodies().frames
+    parts = {part.name: part for part in arm.surfaces("bodies")}
+    all_frames = arm.frames_of(q)
     for level in range(3):
         axes = _space(drawing, (1, 3, level + 1))
         for body, frame in zip(arm.bodies, frames, strict=True):
@@ -227,13 +231,9 @@ def boxes(directory: Path) -> list[Path]:
                 wave = np.stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)]) * radius
                 for order in ((0, 2, 1), (0, 1, 2), (2, 0, 1)):
                     rim = centre[:, None] + wave[list(order)]
-                    axes.plot(*rim, color="#2166ac", linewidth=(1.2, 0.7, 0.3)[level])
-            faces = box_faces(
-                pose[:3, :3] @ np.array(body.shape.centre) + pose[:3, 3],
-                pose[:3, :3] @ np.array(body.shape.rotation),
-                half,
-            )
-            draw_boxes(axes, faces, "#e08214", 0.3)
+                    axes.plot(*rim, color=PALETTE[0], linewidth=(1.2, 0.7, 0.3)[level])
+            part = parts[body.name]
+            add_triangles(axes, part.placed(all_frames), part.faces, PALETTE[4], 0.3)
         frame_space(axes, [-0.45, -0.5, 0.4], [0.85, 0.5, 1.7], (12, -75))
         axes.set_title(f"level {level}: {8**level} spheres a box")
     return files + save(drawing, directory, "figureA2")
@@ -241,9 +241,9 @@ def boxes(directory: Path) -> list[Path]:
 
 def convergence(directory: Path, runs: dict[str, Runs], seconds: dict[str, float]) -> list[Path]:
     """Convergence of the searches, beside the two published runs."""
-    drawing = figure(8, 4.5)
+    drawing = figure(PAGE_WIDTH, 3.8)
     axes = drawing.add_subplot()
-    for name, colour in (("GA", "#d73027"), ("DE", "#4575b4")):
+    for name, colour in (("GA", PALETTE[1]), ("DE", PALETTE[0])):
         for k, history in enumerate(runs[name].history):
             label = f"{name}, {seconds[name]:.2f} s a run" if k == 0 else None
             axes.semilogy(np.maximum(history, 1e-12), color=colour, alpha=0.6, label=label)
@@ -258,7 +258,7 @@ def convergence(directory: Path, runs: dict[str, Runs], seconds: dict[str, float
 
 def shares(directory: Path, rows: list[list[Any]]) -> list[Path]:
     """Share harvestable against height and leaves removed."""
-    drawing = figure(7, 4)
+    drawing = figure(PAGE_WIDTH, 3.6)
     axes = drawing.add_subplot()
     for low, high in sorted({(row[1], row[2]) for row in rows}):
         here = [row for row in rows if (row[1], row[2]) == (low, high)]
@@ -269,7 +269,7 @@ def shares(directory: Path, rows: list[list[Any]]) -> list[Path]:
             label=f"{low:.2f} to {high:.2f} m",
         )
     axes.set_xlabel("lowest leaves removed a plant, of 8")
-    axes.set_ylabel("fruits that can be picked, %")
+    axes.set_ylabel("fruits that can be picked [%]")
     axes.set_ylim(0, 100)
     axes.legend(title="height of the grip point")
     return save(drawing, directory, "crop_shares")
@@ -278,15 +278,15 @@ def shares(directory: Path, rows: list[list[Any]]) -> list[Path]:
 def sensitivity(directory: Path, scene: Scene) -> list[Path]:
     """Chance that a posture stays free against the distance that it keeps."""
     one = harvest.plan(ROBOT, scene, "C1")["C1"]
-    drawing = figure(7, 4)
+    drawing = figure(PAGE_WIDTH, 3.6)
     axes = drawing.add_subplot()
     chance = np.concatenate([np.linspace(0.5, 0.99, 60), np.linspace(0.99, 0.9999, 40)])
     for vision in (2e-3, 5e-3, 1e-2):
         found = harvest.sensitivity(ROBOT, scene, "C1", one.q, harvest.Errors(vision=vision))
         keep = [1e3 * found.min_distance(float(p)) for p in chance]
         axes.plot(keep, 100 * chance, label=f"vision {1e3 * vision:.0f} mm")
-    axes.axvline(5, color="#878787", linestyle=":", label="5 mm, as is usual")
-    axes.set_xlabel("distance kept from the crop, mm")
-    axes.set_ylabel("chance to stay free, %")
+    axes.axvline(5, color=GREY, linestyle=":", label="5 mm, as is usual")
+    axes.set_xlabel("distance kept from the crop [mm]")
+    axes.set_ylabel("chance to stay free [%]")
     axes.legend()
     return save(drawing, directory, "sensitivity")

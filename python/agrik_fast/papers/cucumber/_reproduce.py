@@ -45,7 +45,7 @@ def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -
     say("searches")
     runs, seconds = search_runs(programme)
     say("tables")
-    files = write_tables(directory, scene, runs, seconds)
+    files = write_tables(directory, scene, programme, runs, seconds)
     say("settings of the genetic algorithm")
     head = ["setting", "median J", "best J", "worst J", "runs of 20 within 1 mm"]
     files.append(write_csv(directory / "ablation.csv", head, ablation(programme)))
@@ -75,7 +75,7 @@ def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -
     files += _figures.convergence(directory, runs, seconds)
     files += _figures.shares(directory, rows)
     files += _figures.sensitivity(directory, scene)
-    files.append(_notes(directory / "README.txt"))
+    files.append(_notes(directory / "report.md"))
     return files
 
 
@@ -99,6 +99,8 @@ def _notes(path: Path) -> Path:
     return write_text(
         path,
         [
+            "# What is assumed",
+            "",
             "Tables and figures of the cucumber paper, computed anew.",
             "Lengths and limits of table 1 are a sister arm's or assumed: the paper's are lost.",
             "Crops are made up; gripper and machine are assumed.",

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._checks import FloatArray
-from .._output import figure, save
+from ...plots import PAGE_WIDTH, figure
+from .._output import save
 
 # Curves that coincide stay visible: the first is the widest.
 _STYLES = (("--", 3.5), ("-", 1.2), ("-.", 1.6))
@@ -26,10 +27,10 @@ def error_traces(
         for (style, width), (label, errors) in zip(styles, curves.items(), strict=False):
             axes.semilogy(1e3 * errors, style, linewidth=width, label=label)
         axes.axhline(1.0, color="0.7", linewidth=0.8)
-        axes.annotate("1 mm", (0.0, 1.0), va="bottom", fontsize=8, color="0.4")
+        axes.annotate("1 mm", (0.0, 1.0), va="bottom", color="0.4")
         axes.set_title(title)
         axes.set_xlabel(steps)
-        axes.set_ylabel("error, mm")
+        axes.set_ylabel("error [mm]")
         if len(curves) > 1:
             axes.legend()
     return save(drawing, directory, name)
@@ -37,14 +38,14 @@ def error_traces(
 
 def workspace(directory: Path, points: FloatArray, reached: NDArray[np.bool_]) -> list[Path]:
     """Goals in the paper frame from two sides; circles where the solver failed."""
-    drawing = figure(8.0, 4.0)
+    drawing = figure(PAGE_WIDTH, 3.8)
     for i, (u, v) in enumerate(((0, 1), (0, 2))):
         axes = drawing.add_subplot(1, 2, i + 1)
         axes.plot(1e3 * points[reached, u], 1e3 * points[reached, v], ".", ms=2, label="reached")
         missed = ~reached
         axes.plot(1e3 * points[missed, u], 1e3 * points[missed, v], "o", mfc="none", label="missed")
-        axes.set_xlabel(f"{'xyz'[u]}, mm")
-        axes.set_ylabel(f"{'xyz'[v]}, mm")
+        axes.set_xlabel(f"{'xyz'[u]} [mm]")
+        axes.set_ylabel(f"{'xyz'[v]} [mm]")
         axes.set_aspect("equal")
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     return save(drawing, directory, "figure6")
@@ -66,7 +67,7 @@ def planar(directory: Path, cloud: FloatArray, joints: FloatArray) -> list[Path]
 
 def units(directory: Path, rows: Sequence[Sequence[object]]) -> list[Path]:
     """Goals reached by three published gain sets under three readings of their units."""
-    drawing = figure(7.0, 3.4)
+    drawing = figure(PAGE_WIDTH, 3.4)
     axes = drawing.add_subplot()
     labels = [f"{row[0]}\n{row[1]} start" for row in rows]
     place = np.arange(len(rows))
@@ -82,11 +83,10 @@ def units(directory: Path, rows: Sequence[Sequence[object]]) -> list[Path]:
             xytext=(4, 0),
             textcoords="offset points",
             va="top" if published < 970 else "bottom",
-            fontsize=8,
             color="0.4",
         )
     axes.set_ylim(0, 1030)
-    axes.set_xticks(place, labels, fontsize=8)
+    axes.set_xticks(place, labels)
     axes.set_ylabel("goals reached of 1,000")
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
     return save(drawing, directory, "units")

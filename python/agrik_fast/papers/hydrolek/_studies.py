@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._checks import FloatArray
+from ...plots import GREY, PAGE_WIDTH, PALETTE, figure, styled
 from ...result import Status
 from ...robot import Robot
 from ...solvers import StateSpace
-from .._output import GREY, PAGE_WIDTH, PALETTE, figure, save, styled, write_csv
+from .._output import save, write_csv
 from ._edge import Lost, lost_goals
 from ._pose import LENGTHS_M, PoseRow, success_by_weight
 from ._robots import RobotRow, tuned_robots

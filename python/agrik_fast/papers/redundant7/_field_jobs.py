@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._checks import FloatArray
+from ...plots import GREY, PAGE_WIDTH, PALETTE, figure, styled
 from ...robot import Robot
 from ...rotations import pose
 from ...tasks import Axis
-from .._output import GREY, PAGE_WIDTH, PALETTE, figure, save, styled, write_csv
+from .._output import save, write_csv
 from ._tables import arm
 
 NOZZLE = pose((0.0, 0.0, 0.12))

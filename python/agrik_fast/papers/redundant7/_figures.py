@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..._checks import FloatArray
-from .._output import GREY, PAGE_WIDTH, PALETTE, figure, save, styled
+from ...plots import GREY, PAGE_WIDTH, PALETTE, figure, styled
+from .._output import save
 from ._published import PUBLISHED_COST, PUBLISHED_MEAN, PUBLISHED_Q
 from ._tables import Repeated, SinglePoint, arm, target
 
-GOOD, BAD = "#2a7f62", "#b5462f"
+GOOD, BAD = PALETTE[2], PALETTE[1]
 
 
 def convergence(folder: Path, content: SinglePoint) -> list[Path]:
@@ -59,7 +60,7 @@ def histogram(folder: Path, content: Repeated) -> list[Path]:
     axes.set_yscale("log")
     axes.set_xlabel("log10 of the cost after 200 generations [mm + 100 rad]")
     axes.set_ylabel("runs")
-    axes.set_title(f"{content.share:.1%} of {len(costs)} runs succeed", fontsize="medium")
+    axes.set_title(f"{content.share:.1%} of {len(costs)} runs succeed")
     axes.legend()
     return save(drawing, folder, "histogram")
 

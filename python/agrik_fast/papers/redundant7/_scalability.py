@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...plots import PAGE_WIDTH, figure, styled
 from ...robot import Robot
 from ...solvers import DifferentialEvolution, LevenbergMarquardt, Solver
-from .._output import PAGE_WIDTH, figure, save, styled, write_csv
+from .._output import save, write_csv
 from ._tables import TOLERANCE, arm
 
 DEGREES_OF_FREEDOM = (7, 10, 14, 20)

@@ -9,7 +9,8 @@ import numpy as np
 
 from ..._checks import FloatArray
 from ...arms import StrawberryArm
-from .._output import figure, save
+from ...plots import GREY, PAGE_WIDTH, PALETTE, figure
+from .._output import save
 from ._published import (
     SPHERE_CENTRE,
     SPHERE_RADIUS,
@@ -20,9 +21,9 @@ from ._published import (
 )
 
 NAMES = {"as": "AS", "ssas": "SSAS", "ncos": "NCOS", "exact": "exact minimum"}
-QUADRANT_COLORS = ("#2a7f62", "#c0532b", "#3b5ba5", "#8a4f9e")
-RAIL, ACROSS, DOWN, LINKS, TARGET = "#888888", "#3b5ba5", "#c0532b", "#222222", "#d01c1c"
-PLANT, BED = "#4caf50", "#8d8d8d"
+QUADRANT_COLORS = (PALETTE[2], PALETTE[1], PALETTE[0], PALETTE[3])
+RAIL, ACROSS, DOWN, LINKS, TARGET = GREY, PALETTE[0], PALETTE[1], "#222222", PALETTE[1]
+PLANT, BED = PALETTE[2], GREY
 
 
 def figure2(directory: Path) -> list[Path]:
@@ -49,15 +50,14 @@ def figure2(directory: Path) -> list[Path]:
             (px, py),
             xytext=(right, up),
             textcoords="offset points",
-            fontsize=7,
             ha="left" if right > 0 else "right",
             va="center",
         )
     axes.set_aspect("equal")
     axes.set_xlabel("x [mm]")
     axes.set_ylabel("y [mm]")
-    axes.legend(loc="lower left", bbox_to_anchor=(1.0, 0.0), fontsize=8, title="quadrant")
-    axes.set_title("Figure 2: the plant from above, targets of table 3", fontsize=10)
+    axes.legend(loc="lower left", bbox_to_anchor=(1.0, 0.0), title="quadrant")
+    axes.set_title("Figure 2: the plant from above, targets of table 3")
     return save(drawing, directory, "figure2")
 
 
@@ -114,10 +114,9 @@ def draw_pose(
     if close:
         for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
             axis.set_major_locator(MultipleLocator(100))
-    axes.set_xlabel("x [mm]", fontsize=7)
-    axes.set_ylabel("y [mm]", fontsize=7)
-    axes.set_zlabel("z [mm]", fontsize=7)
-    axes.tick_params(labelsize=6)
+    axes.set_xlabel("x [mm]")
+    axes.set_ylabel("y [mm]")
+    axes.set_zlabel("z [mm]")
     axes.view_init(elev=18, azim=-62)
 
 
@@ -137,13 +136,14 @@ def _draw_bed(axes: Any, middle: float, top: float) -> None:
 def _title(arm: StrawberryArm, q: FloatArray, method: str, target: FloatArray | None = None) -> str:
     s10, s21, s32 = 1000 * q[:3]
     theta, beta = np.degrees(q[3:])
-    place = ""
+    place = ": "
     if target is not None:
         x, y, z = 1000 * target
-        place = f" at ({x:.0f}, {y:.0f}, {z:.1f}) mm"
+        place = f" at ({x:.0f}, {y:.0f}, {z:.1f}) mm:\n"
     return (
-        f"{NAMES[method]}{place}: {1000 * float(arm.energy(q)):.1f} mJ\n"
-        f"s10 {s10:.1f}, s21 {s21:.1f}, s32 {s32:.1f} mm, θ {theta:.2f}°, β {beta:.2f}°"
+        f"{NAMES[method]}{place}"
+        f"{1000 * float(arm.energy(q)):.1f} mJ\n"
+        f"s10 {s10:.1f}, s21 {s21:.1f}, s32 {s32:.1f} mm,\nθ {theta:.2f}°, β {beta:.2f}°"
     )
 
 
@@ -173,21 +173,22 @@ def pose(
     draw_pose(axes, arm, q, target)
     number = name.removeprefix("figure")
     what = f"Figure {number}" if number != name else "Not in the paper"
-    drawing.suptitle(f"{what}. {_title(arm, q, method)}", fontsize=9)
-    drawing.legend(handles=_legend(close=False), loc="outside lower center", ncols=4, fontsize=7)
+    drawing.suptitle(f"{what}. {_title(arm, q, method)}")
+    drawing.legend(handles=_legend(close=False), loc="outside lower center", ncols=4)
     return save(drawing, directory, name)
 
 
 def table4(directory: Path, arm: StrawberryArm) -> list[Path]:
     """Draw the poses of table 4: two targets by every method."""
-    drawing = figure(15, 9)
-    for row, target in enumerate(TABLE4_TARGETS):
-        for column, method in enumerate(TABLE4_COLUMNS):
-            axes = drawing.add_subplot(2, 4, 4 * row + column + 1, projection="3d")
+    # A row a method and a column a target: two panels a page's width can be read, four cannot.
+    drawing = figure(PAGE_WIDTH, 11.5)
+    for column, target in enumerate(TABLE4_TARGETS):
+        for row, method in enumerate(TABLE4_COLUMNS):
+            axes = drawing.add_subplot(4, 2, 2 * row + column + 1, projection="3d")
             # The label of its neighbour's z axis reaches into a panel.
             axes.patch.set_visible(False)
             q = arm.solve(target, method).q
             draw_pose(axes, arm, q, target, close=True)
-            axes.set_title(_title(arm, q, method, target), fontsize=8)
-    drawing.legend(handles=_legend(close=True), loc="outside lower center", ncols=4, fontsize=9)
+            axes.set_title(_title(arm, q, method, target))
+    drawing.legend(handles=_legend(close=True), loc="outside lower center", ncols=2)
     return save(drawing, directory, "table4")

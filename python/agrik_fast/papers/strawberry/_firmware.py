@@ -19,7 +19,8 @@ import numpy as np
 from ..._checks import FloatArray
 from ...arms import StrawberryArm
 from ...drivers import Calibration, ClearanceError, Run, Simulator, StrawberryRig, Surroundings
-from .._output import figure, save, write_csv, write_text
+from ...plots import GREY, PAGE_WIDTH, PALETTE, figure
+from .._output import save, write_csv, write_text
 from ._experiments import H_EXTRA, METHODS, Experiment, experiments
 from ._published import PUBLISHED_MEANS_S, PUBLISHED_TABLE4_S, TABLE4_TARGETS
 
@@ -278,8 +279,8 @@ def report_lines(found: Sequence[Outcome]) -> list[str]:
 
 def draw(directory: Path, found: Sequence[Outcome]) -> list[Path]:
     """Draw times and errors of all runs, and the encoders of three of them."""
-    colors = {"ncos": "#3b5ba5", "ssas": "#c0532b", "as": "#2a7f62"}
-    drawing = figure(10.0, 7.0)
+    colors = {"ncos": PALETTE[0], "ssas": PALETTE[1], "as": PALETTE[2]}
+    drawing = figure(PAGE_WIDTH, 7.5)
     halves: Any = drawing.subfigures(2, 1)
     above, below = halves
     times, errors = above.subplots(1, 2)
@@ -307,7 +308,7 @@ def draw(directory: Path, found: Sequence[Outcome]) -> list[Path]:
     errors.set_ylabel("tool point less target [mm]")
     for axes in (times, errors):
         axes.set_xlabel("run")
-        axes.legend(fontsize=6, ncols=3, loc="upper center")
+        axes.legend(ncols=3, loc="upper center")
     times.set_ylim(3.6, 6.8)
     errors.set_ylim(-12.0, 20.0)
     first = [one for one in found if one.experiment.number <= len(METHODS)]
@@ -317,12 +318,10 @@ def draw(directory: Path, found: Sequence[Outcome]) -> list[Path]:
 
 
 def _draw_trace(axes: Any, one: Outcome) -> None:
-    for index, (name, color) in enumerate(
-        zip(AXES, ("#888888", "#3b5ba5", "#c0532b"), strict=True)
-    ):
+    for index, (name, color) in enumerate(zip(AXES, (GREY, PALETTE[0], PALETTE[1]), strict=True)):
         axes.plot(one.trace[:, 0], one.trace[:, 1 + index], color=color, label=f"{name} [mm]")
     for index, name in enumerate(("theta", "beta")):
         axes.plot(one.trace[:, 0], one.trace[:, 4 + index], "--", label=f"{name} [degrees]")
-    axes.set_title(f"run {one.experiment.number}, {one.experiment.column}", fontsize=9)
+    axes.set_title(f"run {one.experiment.number}, {one.experiment.column}")
     axes.set_xlabel("time [s]")
-    axes.legend(fontsize=6)
+    axes.legend()

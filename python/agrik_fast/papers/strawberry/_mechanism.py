@@ -9,7 +9,8 @@ import numpy as np
 
 from ..._checks import FloatArray
 from ...arms import StrawberryArm
-from .._output import GREY, PAGE_WIDTH, PALETTE, figure, save, styled, write_csv
+from ...plots import GREY, PAGE_WIDTH, PALETTE, figure, styled
+from .._output import save, write_csv
 from ._figures import joint_points
 from ._published import FIGURE_TARGET, Column
 

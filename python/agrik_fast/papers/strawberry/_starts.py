@@ -14,7 +14,8 @@ import numpy as np
 
 from ..._checks import FloatArray
 from ...arms import StrawberryArm
-from .._output import PAGE_WIDTH, figure, save, styled, write_csv
+from ...plots import PAGE_WIDTH, figure, styled
+from .._output import save, write_csv
 from ._published import targets
 
 RANDOM_TARGETS = 60

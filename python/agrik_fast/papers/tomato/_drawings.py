@@ -10,7 +10,8 @@ import numpy as np
 
 from ..._checks import FloatArray
 from ...arms import HOME, TomatoArm
-from .._output import GREY, PAGE_WIDTH, PALETTE, figure, save, styled
+from ...plots import GREY, PAGE_WIDTH, PALETTE, figure, styled
+from .._output import save
 from ._torques import Stretched, stretched
 
 LINKS, AIM, ANGLES = PALETTE[0], PALETTE[1], PALETTE[2]

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arms import Load, PointMass, gravity_torques
+from ...plots import PAGE_WIDTH, figure, styled
 from ...robot import Robot
-from .._output import PAGE_WIDTH, figure, save, styled, write_csv
+from .._output import save, write_csv
 
 LINK = 0.16
 """Length of a link, m, as the tomato arm's."""

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from ..._checks import FloatArray
 from ...arms import TomatoArm, TransposeStepWarning
-from .._output import PAGE_WIDTH, PALETTE, figure, save, styled, write_csv
+from ...plots import PAGE_WIDTH, PALETTE, figure, styled
+from .._output import save, write_csv
 from ._published import PUBLISHED
 from ._tables import FITS, targets
 

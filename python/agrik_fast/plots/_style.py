@@ -1,0 +1,147 @@
+"""Colours, sizes and labels that all figures share."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+from ..errors import MissingExtraError
+from ..result import Status
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PNG_DPI = 130
+"""Points per inch of a PNG."""
+
+PAGE_WIDTH = 6.5
+"""Width of a page's text, in; figures as wide are shown at their own size."""
+
+PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+"""Colours that the colour-blind tell apart too (Okabe and Ito)."""
+
+GOOD, BAD = PALETTE[0], PALETTE[1]
+"""Blue for what was reached, orange for what was not; words say the same."""
+
+GREY, PALE = "#888888", "#cccccc"
+"""For what is there for comparison, and for what is behind."""
+
+FIELD = {
+    "fruit": "#d55e00",
+    "leaf": "#009e73",
+    "stem": "#8c6d31",
+    "stalk": "#8c6d31",
+    "pipe": "#888888",
+    "wire": "#888888",
+    "machine": "#bababa",
+    "ground": "#d9d4c7",
+}
+"""Colours of the kinds of objects in scenes."""
+
+STATUS_COLOURS = {
+    Status.CONVERGED: PALETTE[0],
+    Status.OUT_OF_REACH: GREY,
+    Status.NOT_FOUND: PALETTE[1],
+    Status.BAD_INPUT: PALETTE[6],
+    Status.STALLED: PALETTE[4],
+    Status.NON_FINITE: PALETTE[3],
+    Status.IN_COLLISION: PALETTE[5],
+}
+"""Colours of the statuses of `Robot.ik`."""
+
+_STYLE = {
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.labelsize": 9,
+    "xtick.labelsize": 9,
+    "ytick.labelsize": 9,
+    "legend.fontsize": 9,
+    "figure.titlesize": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "lines.linewidth": 1.4,
+}
+_P = ParamSpec("_P")
+_T = TypeVar("_T")
+
+
+def styled(draw: Callable[_P, _T]) -> Callable[_P, _T]:
+    """Return a function that draws in the style of this package's figures.
+
+    Parameters
+    ----------
+    draw : callable
+        It makes its figures while it runs.
+
+    Returns
+    -------
+    callable
+
+    Raises
+    ------
+    MissingExtraError
+        When it is called: Matplotlib is not installed.
+
+    Examples
+    --------
+    >>> from agrik_fast.plots import figure, styled
+    >>> draw = styled(lambda: figure(3.0, 2.0))
+    >>> callable(draw)
+    True
+    """
+
+    @functools.wraps(draw)
+    def drawn(*args: _P.args, **kwargs: _P.kwargs) -> _T:
+        figure(1.0, 1.0)  # says what is missing
+        import matplotlib as mpl
+        from cycler import cycler
+
+        style: Any = {**_STYLE, "axes.prop_cycle": cycler(color=PALETTE)}
+        with mpl.rc_context(style):
+            return draw(*args, **kwargs)
+
+    return drawn
+
+
+def figure(width: float, height: float) -> Figure:
+    """Return an empty figure that belongs to no window.
+
+    Parameters
+    ----------
+    width, height : float, in
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    MissingExtraError
+        Matplotlib is not installed.
+
+    Examples
+    --------
+    >>> figure(PAGE_WIDTH, 3.0).get_size_inches().tolist()
+    [6.5, 3.0]
+    """
+    try:
+        import matplotlib as mpl
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise MissingExtraError("figures (Matplotlib)", "plots") from None
+    # The same drawing has the same bytes, whoever makes it.
+    mpl.rcParams["svg.hashsalt"] = "agrik_fast"
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def label(what: str, unit: str = "") -> str:
+    """Return the label of an axis: what is drawn, and its unit in brackets, once.
+
+    Examples
+    --------
+    >>> label("position error", "m"), label("iterations")
+    ('position error [m]', 'iterations')
+    """
+    return f"{what} [{unit}]" if unit else what
