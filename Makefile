@@ -5,6 +5,7 @@ PYTHON ?= python3
 VENV := .venv
 PY := $(VENV)/bin/python
 ORACLE := .venv-oracle
+GRADIENTS := .venv-gradients
 ROBOTS := .venv-robots
 WHEELS := target/wheels
 NATIVE := python/agrik_fast/_native.abi3.so
@@ -20,7 +21,7 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run test lint format bench callgrind aarch64 sanitize miri wheel docs clean build oracle \
-	firmware rigs rigs-full browser \
+	firmware rigs rigs-full browser gradients vision-full \
 	damaged fuzz-arms fuzz-sample robustness rust-lint rust-test python-lint python-test
 
 help: ## say what every target does
@@ -30,6 +31,7 @@ help: ## say what every target does
 run: build ## solve the example targets of every robot, write and check the results
 	$(PY) examples/run_all.py
 	$(PY) examples/field_jobs.py
+	$(PY) examples/play_line.py
 
 test: rust-lint rust-test python-lint python-test ## every check but the oracle: linters, types, Rust and Python tests
 
@@ -76,6 +78,10 @@ browser: build $(VENV)/.dev ## the viewer in Chromium (sets itself up on Debian 
 	.ci/browser
 	AGRIK_BROWSER=1 $(PY) -m pytest -m browser
 
+vision-full: build $(VENV)/.dev ## the detector on 2,000 renders of all kinds, the loop before 20 fruits
+	PYTHONPATH=tests $(PY) tests/vision_renders.py --renders 2000
+	PYTHONPATH=tests $(PY) tests/pointing_full.py --fruits 20
+
 damaged: build $(VENV)/.dev ## 2,000 damaged files: no traceback, < 500 MB, < 5 s each
 	$(PY) tests/io/damaged_files.py --files 2000
 
@@ -92,13 +98,14 @@ wheel: $(VENV)/.build ## the wheel for this platform, in target/wheels
 	rm -rf $(WHEELS)
 	$(PY) -m maturin build --release $(LOCKED) --interpreter $(PY) --out $(WHEELS)
 
-docs: build $(VENV)/.docs ## the documentation as HTML in docs/_build/html; a warning is an error
+docs: build $(VENV)/.docs ## the documentation as HTML in docs/_build/html; a warning or a dead link is an error
 	$(PY) -m sphinx -W --keep-going --quiet -b html docs docs/_build/html
+	$(PY) tools/check_site.py docs/_build/html
 	@echo 'docs/_build/html/index.html'
 
 clean: ## remove what the other targets made, the environments included
 	cargo clean
-	rm -rf firmware/build .venv .venv-* dist docs/_build docs/_generated examples/results benches/results
+	rm -rf firmware/build .venv .venv-* dist docs/_build docs/_generated docs/tutorials examples/results benches/results
 	rm -rf .mypy_cache .pytest_cache .ruff_cache .hypothesis
 	rm -f python/agrik_fast/_native*.so
 	find python tests examples benches docs tools -name __pycache__ -prune -exec rm -rf {} +
@@ -110,6 +117,11 @@ oracle: build wheel $(ORACLE)/.done ## compare with Pinocchio (URDFs of real rob
 	$(ORACLE)/bin/python -m pip uninstall --quiet --yes agrik_fast
 	$(ORACLE)/bin/python -m pip install --quiet $(WHEELS)/*.whl
 	$(ORACLE)/bin/python -m pytest tests/oracle
+
+gradients: build wheel $(GRADIENTS)/.done ## tensors and gradients of torch and JAX, poses of spatialmath; heavy downloads, own environment
+	$(GRADIENTS)/bin/python -m pip uninstall --quiet --yes agrik_fast
+	$(GRADIENTS)/bin/python -m pip install --quiet $(WHEELS)/*.whl
+	$(GRADIENTS)/bin/python -m pytest tests/gradients
 
 # ---- the parts of `make test` ----------------------------------------------------------------
 
@@ -138,6 +150,7 @@ python-test: build $(VENV)/.dev
 		echo "NOT CHECKED: firmware and rigs, for want of an AVR compiler (see make firmware)"
 	@command -v chromedriver >/dev/null || \
 		echo "NOT CHECKED: the viewer in a browser, for want of Chromium (see make browser)"
+	@echo "... NOT CHECKED: agrik_fast.torch and agrik_fast.jax, which make gradients tries"
 
 # ---- environments: a stamp file for each, so that a second call is quick ------------------------
 
@@ -167,6 +180,12 @@ $(ROBOTS)/.done: pyproject.toml
 	$(PYTHON) -m venv $(ROBOTS)
 	$(ROBOTS)/bin/python -m pip install --quiet --upgrade pip
 	$(ROBOTS)/bin/python -m pip install --quiet --no-deps --group oracle-data
+	@touch $@
+
+$(GRADIENTS)/.done: pyproject.toml
+	$(PYTHON) -m venv $(GRADIENTS)
+	$(GRADIENTS)/bin/python -m pip install --quiet --upgrade pip
+	$(GRADIENTS)/bin/python -m pip install --quiet --group gradients
 	@touch $@
 
 # Pinocchio pins libraries of its own; the two robot packages are wanted for their files alone.

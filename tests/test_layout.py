@@ -66,9 +66,9 @@ def test_public_modules_have_a_place_in_the_api_pages(repo_root: Path) -> None:
 
 def test_folders_of_tests_are_named_as_rooms(repo_root: Path) -> None:
     folders = {path.parent.name for path in (repo_root / "tests").glob("*/test_*.py")}
-    # The oracles have an environment of their own; `native` tests the compiled module, `firmware`
-    # the boards' programs.
-    assert folders - {"oracle", "native", "firmware"} <= PYTHON.names - PYTHON.planned
+    # The oracles, and what tests `torch` and `jax`, have environments of their own; `native` tests
+    # the compiled module, `firmware` the boards' programs.
+    assert folders - {"oracle", "gradients", "native", "firmware"} <= PYTHON.names - PYTHON.planned
 
 
 # ---- Rust --------------------------------------------------------------------------------------

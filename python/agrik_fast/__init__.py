@@ -7,7 +7,26 @@ with it the command line's help) costs next to nothing.
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from . import collision, errors, euler, harvest, plots, rotations, solvers, tasks, viewer
+    from . import arms as arms
+    from . import cluster as cluster
+    from . import (
+        collision,
+        errors,
+        euler,
+        harvest,
+        motion,
+        plots,
+        rotations,
+        solvers,
+        tasks,
+        viewer,
+    )
+    from . import drivers as drivers
+    from . import io as io
+    from . import jobs as jobs
+    from . import papers as papers
+    from . import tune as tune
+    from . import tuning as tuning
     from ._native import __version__, get_num_threads, set_num_threads, simd_level
     from .collision import Scene
     from .errors import (
@@ -19,7 +38,7 @@ if TYPE_CHECKING:
         UrdfError,
     )
     from .result import Branches, Family, IkResult, Singularity, Status, Warnings
-    from .robot import Path, Robot
+    from .robot import JointPath, Path, Robot
 else:
     from ._lazy import __dir__ as __dir__
     from ._lazy import __getattr__ as __getattr__
@@ -30,6 +49,7 @@ __all__ = [
     "Branches",
     "Family",
     "IkResult",
+    "JointPath",
     "Path",
     "Robot",
     "RobotFileError",
@@ -46,6 +66,7 @@ __all__ = [
     "euler",
     "get_num_threads",
     "harvest",
+    "motion",
     "plots",
     "rotations",
     "set_num_threads",

@@ -11,6 +11,7 @@ MODULE_OF = {
     "Branches": "result",
     "Family": "result",
     "IkResult": "result",
+    "JointPath": "robot",
     "Path": "robot",
     "Robot": "robot",
     "RobotFileError": "errors",
@@ -29,17 +30,28 @@ MODULE_OF = {
 """Module that defines each public name."""
 
 MODULES = (
+    "arms",
+    "cluster",
     "collision",
+    "drivers",
     "errors",
     "euler",
     "harvest",
+    "io",
+    "jax",
+    "jobs",
+    "motion",
+    "papers",
     "plots",
     "rotations",
     "solvers",
     "tasks",
+    "torch",
+    "tune",
+    "tuning",
     "viewer",
 )
-"""Modules that are public names themselves."""
+"""Modules that are names of the package without being imported first."""
 
 _PACKAGE = "agrik_fast"
 

@@ -7,7 +7,7 @@ fields, so that it knows none of their classes.
 
 from collections.abc import Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, NotRequired, TypedDict, final, type_check_only
+from typing import Any, Literal, NotRequired, TypedDict, final, type_check_only
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -58,6 +58,49 @@ class JointSpec(TypedDict):
     upper: float
     mimic: tuple[str, float, float] | None
     link: NotRequired[str | None]
+
+@final
+class Motion:
+    """A motion along a way, from rest to rest within the limits of the joints.
+
+    Through waypoints, shape (n, dof), whose segments have `lengths`, shape (n - 1,): with
+    corners rounded by `blends`, shape (n,), or as one smooth curve where it is None; `limits`,
+    shape (3, dof), are those of velocity, acceleration and jerk, `speed` one along the way.
+    """
+
+    def __new__(
+        cls,
+        waypoints: ArrayLike,
+        lengths: ArrayLike,
+        blends: ArrayLike | None,
+        limits: ArrayLike,
+        speed: float,
+    ) -> Motion: ...
+    @property
+    def duration(self) -> float:
+        """Duration, s."""
+
+    @property
+    def length(self) -> float:
+        """Length of the way, in the measure of the segments' lengths."""
+
+    @property
+    def deviation(self) -> float:
+        """How far a rounded corner leaves its waypoint at most, in any joint value, rad or m."""
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """When the phases begin, and when the last one ends, shape (n + 1,), s."""
+
+    @property
+    def phases(self) -> NDArray[np.float64]:
+        """Place on the way and its derivatives by time at the begin of each phase, (n, 4)."""
+
+    def place(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Return the place on the way and its first three derivatives by time, shape (n, 4)."""
+
+    def at(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Return joint values, velocities, accelerations and jerks, shape (4, n, dof)."""
 
 @final
 class Chain:
@@ -210,6 +253,22 @@ class Chain:
         """Largest values, shape (dof,), rad or m; inf for continuous joints."""
 
     @property
+    def motion_limits(self) -> NDArray[np.float64]:
+        """Largest speed, acceleration and jerk, shape (3, dof), rad or m and s; inf where unknown.
+
+        No faster than any joint that follows another allows.
+        """
+
+    def joint_motion_limits(self) -> list[tuple[str, tuple[float, float, float]]]:
+        """Return the same by the names of the joints, as `with_motion_limits` takes it.
+
+        Of the joints of which anything is known.
+        """
+
+    def with_motion_limits(self, limits: Mapping[str, tuple[float, float, float]]) -> Chain:
+        """Return the chain with other limits of motion of the joints that are named."""
+
+    @property
     def link_names(self) -> list[str]:
         """Names of the frames of `fk_links`, the tool last."""
 
@@ -281,6 +340,7 @@ class Chain:
         position_tolerance: ArrayLike | None = None,
         orientation_tolerance: ArrayLike | None = None,
         tolerance_frame: str | None = None,
+        max_change: ArrayLike | None = None,
         recipe: tuple[Any, ...] | None = None,
     ) -> TargetSolver:
         """Make a solver for one target at a time; see `agrik_fast.Robot.solver`."""
@@ -347,7 +407,15 @@ class Chain:
 
 @final
 class Branches:
-    """Every branch of the targets of one `Robot.ik_all` call."""
+    """Every branch of the targets of one `Robot.ik_all` call.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("puma560")
+    >>> found = arm.ik_all(arm.fk([0.4, 0.9, -0.6, 0.5, 0.7, 0.2]))
+    >>> found.q.shape, int(found.valid.sum())
+    ((8, 6), 4)
+    """
 
     @property
     def q(self) -> NDArray[np.float64]:
@@ -398,7 +466,14 @@ class Branches:
         """Go through the rows along the first dimension of the targets."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the arrays by their names."""
+        """Return the arrays by their names.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> arm.ik_all(arm.fk(np.full(6, 0.5))).to_dict()["q"].shape
+        (8, 6)
+        """
 
     def to_arrow(self) -> Any:
         """Return a `pyarrow.Table`: one row a target (of branches: a branch).
@@ -407,6 +482,13 @@ class Branches:
         ------
         MissingExtraError
             pyarrow is not installed.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> found = arm.ik_all(arm.fk(np.full((1, 6), 0.5)))
+        >>> found.to_arrow().num_rows
+        8
         """
 
     def to_pandas(self) -> Any:
@@ -416,6 +498,13 @@ class Branches:
         ------
         MissingExtraError
             pandas is not installed.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> found = arm.ik_all(arm.fk(np.full((1, 6), 0.5)))
+        >>> len(found.to_pandas())
+        8
         """
 
 @final
@@ -424,6 +513,14 @@ class TargetSolver:
 
     Each call overwrites the values of the one before and, but for the feedback laws with
     matrices, allocates no memory after the first.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("panda")
+    >>> solver = arm.solver(seed=1)
+    >>> q = np.array([0.0, -0.4, 0.0, -2.0, 0.0, 1.8, 0.8])
+    >>> solver.solve(arm.fk(q), q), ik.Status(solver.status).name
+    (True, 'CONVERGED')
     """
 
     def solve(self, target: ArrayLike, q0: ArrayLike | None = None) -> bool:
@@ -436,7 +533,7 @@ class TargetSolver:
             array of doubles is read without conversion.
         q0 : array_like, shape (n,), rad or m, optional
             Start values of the first attempt, for example the last `q`. Default: chosen
-            from the seed.
+            from the seed. With `max_change` where the arm stands; default: the last answer.
 
         Returns
         -------
@@ -447,6 +544,12 @@ class TargetSolver:
         ------
         ArgumentError
             A wrong shape or type; a transform that is not rigid.
+
+        Examples
+        --------
+        >>> solver = ik.Robot.load("tomato").solver("position")
+        >>> solver.solve([0.2, 0.1, 0.1]), solver.solve([9.0, 0.0, 0.0])
+        (True, False)
         """
 
     @property
@@ -479,7 +582,15 @@ class TargetSolver:
 
 @final
 class IkResult:
-    """Answers of one `Robot.ik` call; arrays have the targets' leading shape."""
+    """Answers of one `Robot.ik` call; arrays have the targets' leading shape.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("ur5")
+    >>> result = arm.ik(arm.fk(arm.random_q(4, seed=1)))
+    >>> result.q.shape, bool(result.success.all()), bool((result.position_error < 1e-6).all())
+    ((4, 6), True, True)
+    """
 
     @property
     def q(self) -> NDArray[np.float64]:
@@ -528,6 +639,48 @@ class IkResult:
     def warnings(self) -> NDArray[np.uint8]:
         """Codes of `agrik_fast.Warnings`, shape (...); 0 for none."""
 
+    def jacobian_of_q(self, wrt: Literal["target", "dh"] = "target") -> NDArray[np.float64]:
+        """How the joint values follow their targets, or the numbers of the arm.
+
+        By the implicit function theorem at the answer: the joint values change so that the
+        error of the task stays zero. Of a redundant arm, and of tasks that leave something
+        free, it is the smallest change that does so (least squares over rad and m); near a
+        singularity directions that the arm cannot go are left out. Limits are not looked at.
+
+        Parameters
+        ----------
+        wrt : {"target", "dh"}, default "target"
+            By the target, or by the rows of an arm that was made from such.
+
+        Returns
+        -------
+        ndarray, shape (..., n, 6), (..., n, 3) or (..., n, rows, 4)
+            By a displacement of the target: of each joint value (rad, m) the derivatives by a
+            way along x, y, z (m), then by a turn about x, y, z (rad), in the base frame; for
+            targets that are points by the way alone. By rows: the derivatives by a, alpha, d
+            and theta (m, rad), in the order of `Robot.dh`. 0 for targets that were not
+            reached.
+
+        Raises
+        ------
+        ArgumentError
+            The result does not know its question, as one that was pickled; the task is
+            "position-first"; the arm has no DH rows.
+        UnknownNameError
+            Another word.
+
+        Examples
+        --------
+        >>> import agrik_fast as ik
+        >>> arm = ik.Robot.load("ur5")
+        >>> result = arm.ik(arm.fk([[0.1, -1.2, 1.3, 0.2, 0.9, 0.3]]))
+        >>> follows = result.jacobian_of_q()
+        >>> follows.shape
+        (1, 6, 6)
+        >>> bool(abs(arm.jacobian(result.q) @ follows - np.eye(6)).max() < 1e-9)
+        True
+        """
+
     def __len__(self) -> int:
         """Return the number of rows along the first dimension of the targets."""
 
@@ -538,7 +691,14 @@ class IkResult:
         """Go through the rows along the first dimension of the targets."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the arrays by their names."""
+        """Return the arrays by their names.
+
+        Examples
+        --------
+        >>> arrays = ik.Robot.load("ur5").ik([0.4, 0.2, 0.3]).to_dict()
+        >>> arrays["q"].shape, bool(arrays["success"])
+        ((6,), True)
+        """
 
     def to_arrow(self) -> Any:
         """Return a `pyarrow.Table`: one row a target (of branches: a branch).
@@ -547,6 +707,11 @@ class IkResult:
         ------
         MissingExtraError
             pyarrow is not installed.
+
+        Examples
+        --------
+        >>> ik.Robot.load("tomato").ik([[0.2, 0.1, 0.1]]).to_arrow().num_rows
+        1
         """
 
     def to_pandas(self) -> Any:
@@ -556,6 +721,11 @@ class IkResult:
         ------
         MissingExtraError
             pandas is not installed.
+
+        Examples
+        --------
+        >>> len(ik.Robot.load("tomato").ik([[0.2, 0.1, 0.1]] * 3).to_pandas())
+        3
         """
 
     def plot(self, arm: Any = None) -> Any:
@@ -599,8 +769,12 @@ def ik_result(
     warnings: NDArray[np.uint8],
     clearance: NDArray[np.float64] | None = None,
     nearest_pair: NDArray[np.object_] | None = None,
+    like: IkResult | None = None,
 ) -> IkResult:
-    """Return the record of arrays that belong together, such as those of another record."""
+    """Return the record of arrays that belong together, such as those of another record.
+
+    With `like` it belongs to the same question, as some of its rows do.
+    """
 
 def branches(
     q: NDArray[np.float64],
@@ -760,6 +934,13 @@ class Bodies:
         share is None but for "structural".
         """
 
+    def levers(self, q: ArrayLike, margin: ArrayLike) -> NDArray[np.float64]:
+        """Return levers, shape (..., dof, bodies), m/rad or no unit.
+
+        A joint that changes by no more than `margin`, shape (dof,), from the joint values,
+        shape (..., dof), moves a core point of a body by no more than its lever times its change.
+        """
+
     def __len__(self) -> int:
         """Return the number of bodies."""
 
@@ -868,6 +1049,14 @@ class Collider:
         ------
         ArgumentError
             As `collides`.
+        """
+
+    def shifted_clearance(
+        self, q: ArrayLike, shifts: ArrayLike, threads: int | None = None
+    ) -> NDArray[np.float64]:
+        """Distance from the scene at joint values (n, dof), m.
+
+        The bodies of each posture are shifted by vectors, shape (n, bodies, 3), m.
         """
 
     def distances(
@@ -1305,10 +1494,23 @@ def set_num_threads(n: int | None) -> None:
     ------
     ArgumentError
         `n` is below 1.
+
+    Examples
+    --------
+    >>> ik.set_num_threads(1)
+    >>> ik.get_num_threads()
+    1
+    >>> ik.set_num_threads(None)
     """
 
 def get_num_threads() -> int:
-    """Return the number of threads that a batch call uses by default."""
+    """Return the number of threads that a batch call uses by default.
+
+    Examples
+    --------
+    >>> ik.get_num_threads() >= 1
+    True
+    """
 
 def simd_level() -> str:
     """Return the instruction set that the batch loops use in this process.
@@ -1319,6 +1521,11 @@ def simd_level() -> str:
         "scalar", "neon", "avx2" or "avx512": the highest that the machine has, or the one
         that the environment variable ``AGRIK_SIMD`` names. A name that the machine does not
         have is a `RuntimeWarning` when the compiled module is first used.
+
+    Examples
+    --------
+    >>> ik.simd_level() in ("scalar", "neon", "avx2", "avx512")
+    True
     """
 
 @final
@@ -1444,11 +1651,6 @@ class HarvestProgramme:
 
     def terms(self, q: ArrayLike) -> dict[str, Any]:
         """Return the terms of the cost at joint values, shape (..., dof)."""
-
-    def clearances(
-        self, q: ArrayLike, shifts: ArrayLike, threads: int | None = None
-    ) -> NDArray[np.float64]:
-        """Distance from the crop at joint values (n, dof), bodies shifted by (n, bodies, 3), m."""
 
     def search(
         self,

@@ -80,13 +80,16 @@ def reduce(record: Record) -> tuple[Any, ...]:
     return made, (type(record).__name__, to_dict(record))
 
 
-def made(kind: str, fields: dict[str, Any]) -> Record:
-    """Return the record of a kind that holds some arrays; what pickles call."""
+def made(kind: str, fields: dict[str, Any], like: IkResult | None = None) -> Record:
+    """Return the record of a kind that holds some arrays; what pickles call.
+
+    With `like`, it is of the same question.
+    """
     arrays = {name: np.asarray(value) for name, value in fields.items()}
     if kind == "Branches":
         return _native.branches(**arrays)
     arrays.pop("success", None)  # the statuses say it
-    return _native.ik_result(**arrays)
+    return _native.ik_result(**arrays, like=like)
 
 
 def rows(record: Record) -> tuple[int, ...]:
@@ -113,7 +116,8 @@ def take(record: Record, key: Any) -> Record:
     for name, array in to_dict(record).items():
         flat = array.reshape(-1, *array.shape[len(shape) :])
         picked[name] = flat[places]
-    return made(type(record).__name__, picked)
+    like = record if isinstance(record, _native.IkResult) else None
+    return made(type(record).__name__, picked, like)
 
 
 def iterate(record: Record) -> Iterator[Record]:

@@ -30,7 +30,16 @@ __all__ = [
 
 
 class AgrikError(Exception):
-    """Base class of all exceptions of this library."""
+    """Base class of all exceptions of this library.
+
+    Examples
+    --------
+    >>> try:
+    ...     ik.Robot.load("no_such_arm")
+    ... except ik.AgrikError as error:
+    ...     print(type(error).__name__)
+    UnknownNameError
+    """
 
 
 class ArgumentError(AgrikError, ValueError):
@@ -50,6 +59,14 @@ class ArgumentError(AgrikError, ValueError):
     ----------
     argument, received, expected
         The parameters.
+
+    Examples
+    --------
+    >>> try:
+    ...     ik.Robot.load("ur5").fk([0.0, 0.0])
+    ... except ik.ArgumentError as error:
+    ...     print(error.argument)
+    q
     """
 
     argument: str
@@ -199,6 +216,14 @@ class UnknownNameError(ArgumentError):
         All accepted names.
     nearest : tuple of str
         Up to three accepted names that look like `name`, best first.
+
+    Examples
+    --------
+    >>> try:
+    ...     ik.Robot.load("pumma560")
+    ... except ik.UnknownNameError as error:
+    ...     print(error.nearest)
+    ('puma560',)
     """
 
     kind: str
@@ -235,6 +260,12 @@ class Fault(NamedTuple):
         Table, row (counted from 1) and key, for example ``[[dh]] row 3, a_mm``.
     message : str
         What is wrong there.
+
+    Examples
+    --------
+    >>> fault = ik.errors.Fault(place="joint[2].a_m", message="is not a number")
+    >>> fault.place
+    'joint[2].a_m'
     """
 
     place: str
@@ -278,6 +309,16 @@ class RobotFileError(_FaultyFileError):
         Name of the file.
     faults : tuple of Fault
         The faults.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> _ = pathlib.Path("broken.toml").write_text('format = 1')
+    >>> try:
+    ...     ik.Robot.load("broken.toml")
+    ... except ik.RobotFileError as error:
+    ...     print(len(error.faults) >= 1)
+    True
     """
 
 
@@ -297,11 +338,30 @@ class SceneFileError(_FaultyFileError):
         Name of the file.
     faults : tuple of Fault
         The faults.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> _ = pathlib.Path("broken_scene.toml").write_text('unit = "inch"')
+    >>> try:
+    ...     ik.Scene.load("broken_scene.toml")
+    ... except ik.SceneFileError as error:
+    ...     print(error.faults[0].place)
+    unit
     """
 
 
 class UrdfError(AgrikError, ValueError):
-    """A URDF cannot be read, or does not describe one serial chain."""
+    """A URDF cannot be read, or does not describe one serial chain.
+
+    Examples
+    --------
+    >>> try:
+    ...     ik.Robot.from_urdf('<robot name="r"><link name="alone"/></robot>')
+    ... except ik.UrdfError:
+    ...     print("no joint moves")
+    no joint moves
+    """
 
 
 def nearest_names(name: str, known: Iterable[str]) -> tuple[str, ...]:

@@ -12,7 +12,14 @@ __all__ = ["Branches", "Family", "IkResult", "Singularity", "Status", "Warnings"
 
 @dataclass(frozen=True)
 class Family:
-    """What an arm was recognised as, see `Robot.family`."""
+    """What an arm was recognised as, see `Robot.family`.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("puma560")
+    >>> arm.family.name, arm.family.branches
+    ('spherical wrist', 8)
+    """
 
     name: str
     """Short name, such as "three parallel axes"; "unsupported" where no branches are found."""
@@ -38,6 +45,13 @@ class Singularity(IntFlag):
     """Where a branch of `Robot.ik_all` nearly meets another, as in ``Branches.singular``.
 
     Nearly means: the sine of the angle between the two is below 1e-6.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("puma560")
+    >>> found = arm.ik_all(arm.fk([0.4, 0.9, -0.6, 0.5, 0.0, 0.2]))
+    >>> any(ik.Singularity.WRIST in ik.Singularity(int(code)) for code in found.singular)
+    True
     """
 
     SHOULDER = 1
@@ -55,7 +69,15 @@ class Singularity(IntFlag):
 
 
 class Warnings(IntFlag):
-    """What is to be said of a target beside its status; all but STRAIGHTENED by `Robot.ik_all`."""
+    """What is to be said of a target beside its status; all but STRAIGHTENED by `Robot.ik_all`.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("puma560")
+    >>> found = arm.ik_all(arm.fk([0.4, 0.9, -0.6, 0.5, 0.0, 0.2]))
+    >>> ik.Warnings.MORE in ik.Warnings(int(found.warnings))
+    False
+    """
 
     FOLD = 1
     """An odd number of branches: two of them met, or all but met."""
@@ -82,6 +104,15 @@ class Status(IntEnum):
 
     A status array compares with these members directly:
     ``result.status == Status.CONVERGED``.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("ur5")
+    >>> result = arm.ik([[0.4, 0.2, 0.3], [9.0, 0.0, 0.0]])
+    >>> [ik.Status(code).name for code in result.status]
+    ['CONVERGED', 'OUT_OF_REACH']
+    >>> (result.status == ik.Status.OUT_OF_REACH).tolist()
+    [False, True]
     """
 
     CONVERGED = 0
@@ -122,3 +153,7 @@ class Status(IntEnum):
     UNSUPPORTED = 10
     """No method here finds the branches of such an arm; `Robot.family` says why
     (`Robot.ik_all` only)."""
+
+    HELD = 11
+    """Not reached in this tick: the posture goes to the target, or as near to it as the reach
+    allows, no faster than it may (`Robot.solver` with `max_change` or `rate_hz` only)."""

@@ -47,6 +47,12 @@ class EulerAngles(NamedTuple):
     gimbal : ndarray of bool, shape (...)
         True where only the sum (or difference) of the first and the last angle is
         determined; one of the two is 0 there by agreement.
+
+    Examples
+    --------
+    >>> angles, singular = ik.rotations.zyz_of(np.eye(3))
+    >>> bool(singular)
+    True
     """
 
     angles: FloatArray
@@ -66,6 +72,12 @@ class Straightened(NamedTuple):
     reason : ndarray of str, shape (...)
         "ok"; "not finite"; "last row" (not 0, 0, 0, 1); "mirrored" (left-handed axes);
         "too far" (`off` is above the tolerance, or an axis is lost).
+
+    Examples
+    --------
+    >>> found = ik.rotations.straighten([[0.87, -0.5, 0.0], [0.5, 0.87, 0.0], [0.0, 0.0, 1.0]])
+    >>> found.pose.shape, bool(found.off < 0.01)
+    ((3, 3), True)
     """
 
     pose: FloatArray
@@ -111,6 +123,7 @@ def pose(
 
     Examples
     --------
+    >>> from agrik_fast.rotations import pose
     >>> pose([0.3, 0.0, 0.5], rpy=[0.0, 0.0, np.pi / 2])[:3, :3].round(6) + 0.0
     array([[ 0., -1.,  0.],
            [ 1.,  0.,  0.],
@@ -142,7 +155,13 @@ def pose(
 
 
 def position_of(poses: ArrayLike) -> FloatArray:
-    """Return the positions, shape (..., 3), m, of poses, shape (..., 4, 4)."""
+    """Return the positions, shape (..., 3), m, of poses, shape (..., 4, 4).
+
+    Examples
+    --------
+    >>> ik.rotations.position_of(ik.rotations.pose([0.1, 0.2, 0.3]))
+    array([0.1, 0.2, 0.3])
+    """
     matrices = float_array("poses", poses)
     if matrices.ndim < 2 or matrices.shape[-2:] != (4, 4):
         raise ArgumentError("poses", f"shape {matrices.shape}", "shape (..., 4, 4)")
@@ -165,6 +184,13 @@ def rotation_of(poses: ArrayLike) -> FloatArray:
     ------
     ArgumentError
         Another shape.
+
+    Examples
+    --------
+    >>> ik.rotations.rotation_of(ik.rotations.pose([0.1, 0.2, 0.3]))
+    array([[1., 0., 0.],
+           [0., 1., 0.],
+           [0., 0., 1.]])
     """
     matrices = float_array("poses", poses)
     if matrices.ndim < 2 or matrices.shape[-2:] not in ((3, 3), (4, 4)):
@@ -190,6 +216,11 @@ def quat_of(poses: ArrayLike) -> FloatArray:
     ------
     ArgumentError
         Another shape, or a finite matrix that is no rotation (see `straighten`).
+
+    Examples
+    --------
+    >>> ik.rotations.quat_of(np.eye(4))
+    array([0., 0., 0., 1.])
     """
     r = _checked_rotation(poses)
     trace = np.trace(r, axis1=-2, axis2=-1)
@@ -230,6 +261,12 @@ def axis_angle_of(poses: ArrayLike) -> FloatArray:
     ------
     ArgumentError
         Another shape, or a finite matrix that is no rotation (see `straighten`).
+
+    Examples
+    --------
+    >>> turned = ik.rotations.pose([0, 0, 0], axis_angle=[0, 0, 0.5])
+    >>> ik.rotations.axis_angle_of(turned).round(6)
+    array([0. , 0. , 0.5])
     """
     quat = quat_of(poses)
     sine = np.linalg.norm(quat[..., :3], axis=-1, keepdims=True)
@@ -257,6 +294,12 @@ def rpy_of(poses: ArrayLike) -> EulerAngles:
     ------
     ArgumentError
         Another shape, or a finite matrix that is no rotation (see `straighten`).
+
+    Examples
+    --------
+    >>> turned = ik.rotations.pose([0, 0, 0], rpy=[0.1, 0.2, 0.3])
+    >>> np.round(ik.rotations.rpy_of(turned).angles, 6)
+    array([0.1, 0.2, 0.3])
     """
     r = _checked_rotation(poses)
     cosine = np.hypot(r[..., 2, 1], r[..., 2, 2])
@@ -293,6 +336,12 @@ def zyz_of(poses: ArrayLike) -> EulerAngles:
     References
     ----------
     Li et al., equation (3), with the quadrants of ``atan2`` in place of divisions.
+
+    Examples
+    --------
+    >>> turned = ik.rotations.pose([0, 0, 0], zyz=[0.1, 0.2, 0.3])
+    >>> np.round(ik.rotations.zyz_of(turned).angles, 6)
+    array([0.1, 0.2, 0.3])
     """
     r = _checked_rotation(poses)
     sine = np.hypot(r[..., 2, 0], r[..., 2, 1])
@@ -309,7 +358,13 @@ def zyz_of(poses: ArrayLike) -> EulerAngles:
 
 
 def zyz_differences(a: ArrayLike, b: ArrayLike) -> FloatArray:
-    """Return a - b of ZYZ angles, shape (..., 3), rad; alpha and gamma wrapped to half a turn."""
+    """Return a - b of ZYZ angles, shape (..., 3), rad; alpha and gamma wrapped to half a turn.
+
+    Examples
+    --------
+    >>> ik.rotations.zyz_differences([0.1, 0.2, 0.3], [0.1, 0.2, 0.4]).round(6)
+    array([ 0. ,  0. , -0.1])
+    """
     first, second = float_array("a", a), float_array("b", b)
     for name, angles in (("a", first), ("b", second)):
         if angles.ndim < 1 or angles.shape[-1] != 3:
@@ -355,6 +410,7 @@ def straighten(poses: ArrayLike, *, tolerance: float = 0.02) -> Straightened:
 
     Examples
     --------
+    >>> from agrik_fast.rotations import straighten
     >>> found = straighten([[0.87, -0.5, 0.0], [0.5, 0.87, 0.0], [0.0, 0.0, 1.0]])
     >>> str(found.reason), round(float(found.off), 4)
     ('ok', 0.0034)

@@ -22,6 +22,12 @@ class Position:
     """The tool point is at the target; the orientation is free (3 rows).
 
     Targets have shape (..., 3), m, or (..., 4, 4), of which the translation counts.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("ur5")
+    >>> bool(arm.ik([0.4, 0.2, 0.3], task=ik.tasks.Position()).success)
+    True
     """
 
     name: ClassVar[str] = "position"
@@ -33,6 +39,12 @@ class Pose:
 
     Targets are rigid transforms of shape (..., 4, 4), lengths in m. The orientation
     error is the rotation vector between tool and target, exact up to pi.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("ur5")
+    >>> bool(arm.ik(arm.fk(np.full(6, 0.5)), task=ik.tasks.Pose()).success)
+    True
     """
 
     name: ClassVar[str] = "pose"
@@ -63,6 +75,7 @@ class Axis:
     --------
     The cucumber gripper, tool x pointing down:
 
+    >>> from agrik_fast.tasks import Axis
     >>> Axis(tool_axis=(1, 0, 0), direction=(0, 0, -1))
     Axis(tool_axis=(1.0, 0.0, 0.0), direction=(0.0, 0.0, -1.0))
     """
@@ -102,6 +115,7 @@ class Masked:
     --------
     Position and heading, roll and pitch free:
 
+    >>> from agrik_fast.tasks import Masked
     >>> Masked((1, 1, 1, 0, 0, 1)).frame
     'base'
     """
@@ -143,6 +157,7 @@ class PositionFirst:
     --------
     A 5-axis arm, which has no full pose to spare:
 
+    >>> from agrik_fast.tasks import PositionFirst
     >>> PositionFirst.name
     'position-first'
     """

@@ -6,6 +6,7 @@ import math
 import pickle
 import re
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -341,3 +342,19 @@ def test_an_arm_without_bodies_says_how_it_gets_some() -> None:
             call()  # type: ignore[no-untyped-call]
         for way in ("[[collision]]", "<collision>", "Robot.with_bodies", "Robot.attach"):
             assert way in str(caught.value)
+
+
+def test_frames_are_named_as_the_links_are(tmp_path: Path) -> None:
+    joint = 'type = "revolute"\naxis = [0, 0, 1]\nlower_deg = -90\nupper_deg = 90\n'
+    body = '[[collision]]\nname = "tube"\nframe = "shoulder"\nshape = "sphere"\n'
+    text = (
+        'format = 1\nname = "one"\n[provenance]\nA = "assumed"\n'
+        f'[[joint]]\nname = "q1"\nlink = "shoulder"\n{joint}'
+        'provenance = { axis = "A", lower = "A", upper = "A" }\n'
+        f'{body}centre_m = [0, 0, 0.1]\nradius_m = 0.05\nprovenance = {{ shape = "A" }}\n'
+    )
+    file = tmp_path / "one.toml"
+    file.write_text(text)
+    robot = ik.Robot.load(file)
+    assert robot.bodies[0].frame == "shoulder"
+    assert robot.link_names[0] == "shoulder"

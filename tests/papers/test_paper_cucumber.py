@@ -47,7 +47,7 @@ def test_tables(tmp_path: Path) -> None:
 
     programme = harvest.Programme("cucumber", harvest.example_scene("cucumber_thin"), "C1")
     runs, seconds = search_runs(programme, seeds=2)
-    files = write_tables(tmp_path, harvest.example_scene(), runs, seconds)
+    files = write_tables(tmp_path, harvest.example_scene(), programme, runs, seconds)
     rows = {path.stem: list(csv.DictReader(io.StringIO(path.read_text()))) for path in files}
     assert len(rows["table1"]) == 7
     assert all(row["provenance"] for row in rows["table1"])
@@ -55,7 +55,23 @@ def test_tables(tmp_path: Path) -> None:
     assert {row["status"] for row in rows["decisions"] if row["target"] == "C1"} == {"OK"}
     assert [row["level"] for row in rows["spheres"][:4]] == ["0", "1", "2", "3"]
     assert float(rows["spheres"][3]["overestimate, mm"]) == pytest.approx(16.4, abs=0.1)
-    assert len(rows["searches"]) == 6
+    assert len(rows["searches"]) == 7
+    scan = rows["success"][2]
+    assert scan["method"] == "null-space scan"
+    assert (scan["runs"], scan["within 1 mm and 1e-3"], scan["J below 1e-6"]) == ("1", "1", "1")
+
+
+def test_success_over_twenty_seeds() -> None:
+    from agrik_fast import harvest
+    from agrik_fast.papers.cucumber._tables import search_runs, success_rows
+
+    programme = harvest.Programme("cucumber", harvest.example_scene("cucumber_thin"), "C1")
+    rows = {row[0]: row for row in success_rows(programme, *search_runs(programme))}
+    # Runs, how many reach the fruit, median J, how many end below 1e-6.
+    assert rows["GA"][1:3] == [20, 15]
+    assert rows["GA"][3] < 1e-3
+    assert rows["DE"][1:3] == [20, 20]
+    assert rows["DE"][4] == rows["DE"][1]
 
 
 def test_the_simulated_cycle_adds_up() -> None:

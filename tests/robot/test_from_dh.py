@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import agrik_fast as ik
 import numpy_fk
+from urdf_text import joint, urdf
 
 HALF = np.pi / 2
 PLANAR = [[1.0, 0.0, 0.0, 0.0], [0.5, 0.0, 0.0, 0.0]]
@@ -112,3 +114,38 @@ NOT_RIGID = np.diag([1.0, 1.0, 2.0, 1.0])
 def test_faults_are_named(arguments: dict[str, Any], message: str) -> None:
     with pytest.raises(ik.ArgumentError, match=message):
         ik.Robot.from_dh(**{"rows": PLANAR, **arguments})
+
+
+DEGREES = {
+    "alpha": ([[0.1, 90, 0.2, 0]], None, r"alpha of row 0 is 90 rad, more than a turn"),
+    "theta": ([[0.1, 1.5, 0.2, 180]], None, r"theta of row 0 is 180 rad"),
+    "limits": ([[0.1, 1.5, 0.2, 0]], [(-170, 170)], r"joint 'q1' turns from -170 to 170 rad"),
+    "two": ([[0.1, 90, 0.2, 0]] * 2, None, r"\(and 1 more like it\): was it meant in degrees\?"),
+}
+
+
+@pytest.mark.parametrize("case", DEGREES)
+def test_degrees_in_the_place_of_radians_are_noticed(case: str) -> None:
+    rows, limits, words = DEGREES[case]
+    with pytest.warns(ik.errors.RobotWarning, match=words):
+        ik.Robot.from_dh(rows, limits=limits, name="an arm")
+
+
+def test_angles_that_are_radians_bring_no_warning() -> None:
+    # A turn and more, a joint of many turns, a slide of some metres.
+    ik.Robot.from_dh([[0, 6.28, 0, -6.28]], limits=[(-6.2831853, 12.0)])
+    ik.Robot.from_dh([[0, 1, 0, 0]], limits=[(-31.4159, 31.4159)])
+    ik.Robot.from_dh([[0, 1, 0, 0]], limits=[(-100, 100)], joint_types=["prismatic"])
+
+
+def test_degrees_in_files_are_noticed(tmp_path: Path) -> None:
+    file = tmp_path / "arm.toml"
+    ik.Robot.from_dh([[0.3, 1.5, 0.2, 0]], limits=[(-1.25, 1.5)]).save(file)
+    file.write_text(file.read_text().replace("-1.25", "-75.0"))
+    with pytest.warns(
+        ik.errors.RobotWarning, match=r"arm\.toml: joint 'q1' turns from -75 to 1\.5 rad"
+    ):
+        ik.Robot.load(file)
+    text = urdf(["a", "b"], [joint("j", "a", "b", limit=(-90, 90))])
+    with pytest.warns(ik.errors.RobotWarning, match=r"joint 'j' turns from -90 to 90 rad"):
+        ik.Robot.from_urdf(text)

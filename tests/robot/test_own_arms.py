@@ -375,7 +375,8 @@ def test_masked_poses_from_a_file(tmp_path: Path) -> None:
 
 
 def test_schemas_are_of_the_files_that_are_read() -> None:
-    for kind, key in (("robot", "joint"), ("gains", "gains")):
+    kinds = {"robot": "joint", "gains": "gains", "scene": "objects", "calibration": "servo"}
+    for kind, key in kinds.items():
         schema = json.loads(run_command("schema", kind).stdout)
         assert key in schema["properties"]
         assert schema["additionalProperties"] is False

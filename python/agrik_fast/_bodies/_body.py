@@ -37,6 +37,7 @@ class Body:
 
     Examples
     --------
+    >>> from agrik_fast.collision import Body, Sphere
     >>> Body("fruit", "tool", Sphere([0, 0, 0.04], 0.03)).frame
     'tool'
     """
@@ -84,6 +85,11 @@ class CollisionRules:
     ------
     ArgumentError
         Something else than names; both `pairs` and `exclude`.
+
+    Examples
+    --------
+    >>> ik.Robot.load("cucumber").collision_rules.may_touch_target
+    ('gripper', 'flange')
     """
 
     may_touch_target: tuple[str, ...] = ()
@@ -127,6 +133,12 @@ class ExcludedPair:
         at any distance; "not listed" or "excluded" by the rules of the robot.
     share : float or None
         Share of the postures that hit, of a structural pair.
+
+    Examples
+    --------
+    >>> one = ik.Robot.load("panda").self_pairs.excluded[0]
+    >>> len(one.bodies), bool(one.reason)
+    (2, True)
     """
 
     bodies: Pair
@@ -146,6 +158,12 @@ class SelfPairs:
         Pairs that are asked.
     excluded : tuple of ExcludedPair
         All others, with the reason.
+
+    Examples
+    --------
+    >>> pairs = ik.Robot.load("panda").self_pairs
+    >>> len(pairs.asked) > 0, len(pairs.excluded) > 0
+    (True, True)
     """
 
     asked: tuple[Pair, ...]

@@ -80,6 +80,7 @@ class Sphere:
 
     Examples
     --------
+    >>> from agrik_fast.collision import Sphere
     >>> Sphere([0, 0, 0.1], 0.05).moved([[1, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
     Sphere(centre=(1.0, 0.0, 0.1), radius=0.05)
     """
@@ -92,7 +93,14 @@ class Sphere:
         object.__setattr__(self, "radius", _radius("radius", self.radius))
 
     def moved(self, pose: ArrayLike) -> Sphere:
-        """Return the same shape of a frame that lies at `pose`, shape (4, 4), m."""
+        """Return the same shape of a frame that lies at `pose`, shape (4, 4), m.
+
+        Examples
+        --------
+        >>> from agrik_fast.collision import Sphere
+        >>> Sphere((1, 0, 0), 0.1).moved(ik.rotations.pose([0, 0, 1])).centre
+        (1.0, 0.0, 1.0)
+        """
         return Sphere(_moved(*pose_of("pose", pose), self.centre), self.radius)  # type: ignore[arg-type]
 
 
@@ -111,6 +119,13 @@ class Capsule:
     ------
     ArgumentError
         A wrong shape, a number that is not finite, a negative radius.
+
+    Examples
+    --------
+    >>> from agrik_fast.collision import Capsule, Scene, SceneObject
+    >>> post = Capsule((0.5, 0, 0), (0.5, 0, 1), 0.03)
+    >>> len(Scene([SceneObject.of("post", post)]).objects)
+    1
     """
 
     a: Point
@@ -123,7 +138,14 @@ class Capsule:
         object.__setattr__(self, "radius", _radius("radius", self.radius))
 
     def moved(self, pose: ArrayLike) -> Capsule:
-        """Return the same shape of a frame that lies at `pose`, shape (4, 4), m."""
+        """Return the same shape of a frame that lies at `pose`, shape (4, 4), m.
+
+        Examples
+        --------
+        >>> from agrik_fast.collision import Capsule
+        >>> Capsule((0, 0, 0), (0, 0, 1), 0.03).moved(ik.rotations.pose([1, 0, 0])).b
+        (1.0, 0.0, 1.0)
+        """
         a, b = _moved(*pose_of("pose", pose), [self.a, self.b])
         return Capsule(a, b, self.radius)
 
@@ -146,6 +168,12 @@ class Box:
     ------
     ArgumentError
         A wrong shape, a number that is not finite, a negative length, no rotation.
+
+    Examples
+    --------
+    >>> from agrik_fast.collision import Box
+    >>> Box((0.5, 0, 0.2), (0.1, 0.2, 0.2)).half
+    (0.1, 0.2, 0.2)
     """
 
     centre: Point
@@ -162,7 +190,14 @@ class Box:
             raise ArgumentError("half", str(list(self.half)), "half lengths >= 0 m")
 
     def moved(self, pose: ArrayLike) -> Box:
-        """Return the same shape of a frame that lies at `pose`, shape (4, 4), m."""
+        """Return the same shape of a frame that lies at `pose`, shape (4, 4), m.
+
+        Examples
+        --------
+        >>> from agrik_fast.collision import Box
+        >>> Box((0, 0, 0), (0.1, 0.2, 0.3)).moved(ik.rotations.pose([1, 0, 0])).centre
+        (1.0, 0.0, 0.0)
+        """
         turn, shift = pose_of("pose", pose)
         centre, axes = _moved(turn, shift, self.centre), turn @ np.array(self.rotation)
         return Box(centre, self.half, axes, self.radius)  # type: ignore[arg-type]
@@ -196,6 +231,12 @@ class Cover:
     References
     ----------
     Van Henten et al. (2010), appendix A.
+
+    Examples
+    --------
+    >>> from agrik_fast.collision import Cover
+    >>> Cover((0, 0, 0), (0.1, 0.1, 0.1), level=2).level
+    2
     """
 
     centre: Point
@@ -227,7 +268,14 @@ class Cover:
         return float((math.hypot(*self.half) - min(self.half)) / 2**self.level)
 
     def moved(self, pose: ArrayLike) -> Cover:
-        """Return the same shape of a frame that lies at `pose`, shape (4, 4), m."""
+        """Return the same shape of a frame that lies at `pose`, shape (4, 4), m.
+
+        Examples
+        --------
+        >>> from agrik_fast.collision import Cover
+        >>> Cover((0, 0, 0), (0.1, 0.1, 0.1)).moved(ik.rotations.pose([1, 0, 0])).centre
+        (1.0, 0.0, 0.0)
+        """
         box = self.box.moved(pose)
         return Cover(box.centre, box.half, box.rotation, self.level, self.split)
 
@@ -246,6 +294,12 @@ class Convex:
     ------
     ArgumentError
         A wrong shape, no point, a number that is not finite, a negative radius.
+
+    Examples
+    --------
+    >>> from agrik_fast.collision import Convex
+    >>> len(Convex(((0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)), radius=0.01).vertices)
+    4
     """
 
     vertices: Rows
@@ -264,7 +318,14 @@ class Convex:
         object.__setattr__(self, "radius", _radius("radius", self.radius))
 
     def moved(self, pose: ArrayLike) -> Convex:
-        """Return the same shape of a frame that lies at `pose`, shape (4, 4), m."""
+        """Return the same shape of a frame that lies at `pose`, shape (4, 4), m.
+
+        Examples
+        --------
+        >>> from agrik_fast.collision import Convex
+        >>> Convex(((0, 0, 0), (0.1, 0, 0))).moved(ik.rotations.pose([1, 0, 0])).vertices[0]
+        (1.0, 0.0, 0.0)
+        """
         return Convex(_moved(*pose_of("pose", pose), self.vertices), self.radius)  # type: ignore[arg-type]
 
 
@@ -286,6 +347,7 @@ class HalfSpace:
 
     Examples
     --------
+    >>> from agrik_fast.collision import HalfSpace
     >>> HalfSpace([0, 0, 2], 1.0)
     HalfSpace(normal=(0.0, 0.0, 1.0), offset=0.5)
     """
@@ -305,7 +367,14 @@ class HalfSpace:
         object.__setattr__(self, "offset", offset)
 
     def moved(self, pose: ArrayLike) -> HalfSpace:
-        """Return the same shape of a frame that lies at `pose`, shape (4, 4), m."""
+        """Return the same shape of a frame that lies at `pose`, shape (4, 4), m.
+
+        Examples
+        --------
+        >>> from agrik_fast.collision import HalfSpace
+        >>> HalfSpace((0, 0, 1), 0.0).moved(ik.rotations.pose([0, 0, 0.5])).offset
+        0.5
+        """
         turn, shift = pose_of("pose", pose)
         normal = turn @ np.array(self.normal)
         return HalfSpace(normal, self.offset + float(normal @ shift))

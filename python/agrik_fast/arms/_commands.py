@@ -16,6 +16,12 @@ class Command(NamedTuple):
         and the servo of its end effector.
     target : float
         Where to, m or rad; for the gripper 1 is open and 0 closed.
+
+    Examples
+    --------
+    >>> from agrik_fast.arms import Command
+    >>> Command("gripper", 1.0).axis
+    'gripper'
     """
 
     axis: str
@@ -41,6 +47,14 @@ class Commands(list[Command]):
         `h_extra` where that would take the slide past its home.
     wanted : float, m
         The clearance asked for.
+
+    Examples
+    --------
+    >>> from agrik_fast.arms import StrawberryArm
+    >>> arm = StrawberryArm()
+    >>> steps = arm.commands(arm.solve([0.426, 0.345, -0.3316]).q, h_extra=0.04)
+    >>> steps.wanted, steps.clearance >= 0.0
+    (0.04, True)
     """
 
     def __init__(self, steps: Iterable[Command], clearance: float, wanted: float) -> None:

@@ -32,6 +32,13 @@ class PointMass:
     ------
     ArgumentError
         A name that is none, a mass below 0, or a position that is not three finite numbers.
+
+    Examples
+    --------
+    >>> from agrik_fast.arms import PointMass, gravity_torques
+    >>> arm = ik.Robot.load("ur5")
+    >>> gravity_torques(arm, arm.home, [PointMass(link="tool", mass=2.0)]).shape
+    (6,)
     """
 
     link: str

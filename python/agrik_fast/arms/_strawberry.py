@@ -38,7 +38,15 @@ STEEPEST = 1e12
 
 
 class Place(IntEnum):
-    """What lies in the way of a target."""
+    """What lies in the way of a target.
+
+    Examples
+    --------
+    >>> from agrik_fast.arms import Place, StrawberryArm
+    >>> found = StrawberryArm().solve([[0.426, 0.345, -0.3316], [0.426, 2.0, -0.33]])
+    >>> [Place(int(code)).name for code in found.place]
+    ['REACHED', 'S10']
+    """
 
     REACHED = 0
     """Nothing."""
@@ -73,6 +81,13 @@ class StrawberryResult(Record):
         Travel that the slide lacks, m, positive past its upper limit and negative past
         its lower one; for ``Place.THETA`` the distance in x and z that slides s21 and s32
         lack together. 0 where the target is reached.
+
+    Examples
+    --------
+    >>> from agrik_fast.arms import StrawberryArm
+    >>> found = StrawberryArm().solve([[0.426, 0.345, -0.3316], [0.426, 2.0, -0.33]])
+    >>> found.success.tolist(), found.energy.shape
+    ([True, False], (2,))
     """
 
     energy: NDArray[np.float64]
@@ -221,6 +236,14 @@ class StrawberryArm:
         ArgumentError
             A wrong shape or option, or constants for which the exact minimum cannot be
             proven.
+
+        Examples
+        --------
+        >>> from agrik_fast.arms import StrawberryArm
+        >>> arm = StrawberryArm()
+        >>> found = arm.solve([0.426, 0.345, -0.3316])
+        >>> bool(found.success), np.allclose(arm.fk(found.q), [0.426, 0.345, -0.3316])
+        (True, True)
         """
         word("method", method, METHODS)
         s10_share = real_number("s10_share", s10_share, 0, 1)
@@ -260,7 +283,14 @@ class StrawberryArm:
         return StrawberryResult(record, energy, place, np.where(solved, 0.0, why.gap))
 
     def fk(self, q: ArrayLike) -> FloatArray:
-        """Return tool points, shape (..., 3), m, of joint values, shape (..., 5)."""
+        """Return tool points, shape (..., 3), m, of joint values, shape (..., 5).
+
+        Examples
+        --------
+        >>> from agrik_fast.arms import StrawberryArm
+        >>> StrawberryArm().fk([0.2, 0.3, 0.15, 0.0, 0.0]).shape
+        (3,)
+        """
         return self._arm.fk(q)
 
     def energy(self, q: ArrayLike) -> FloatArray:
@@ -268,11 +298,25 @@ class StrawberryArm:
 
         Friction of the slides on their way from home, (22), less the potential energy
         that the arm loses: (21) with its bracket and its sign corrected.
+
+        Examples
+        --------
+        >>> from agrik_fast.arms import StrawberryArm
+        >>> StrawberryArm().energy([[0.2, 0.3, 0.15, 0.0, 0.0], [0.3, 0.3, 0.15, 0.0, 0.0]]).shape
+        (2,)
         """
         return self._arm.energy(q)
 
     def s10_set(self, target: ArrayLike) -> Interval | None:
-        """Return the interval of s10 (m) for a target, (12), or None if it is empty."""
+        """Return the interval of s10 (m) for a target, (12), or None if it is empty.
+
+        Examples
+        --------
+        >>> from agrik_fast.arms import StrawberryArm
+        >>> low, high = StrawberryArm().s10_set([0.426, 0.345, -0.3316])
+        >>> low < high, StrawberryArm().s10_set([0.5, 5.0, -0.3]) is None
+        (True, True)
+        """
         return self._arm.s10_set(finite_array("target", target, (3,)))[0]
 
     def theta_sets(self, target: ArrayLike, beta: float) -> Mapping[str, list[Interval]]:
@@ -290,6 +334,12 @@ class StrawberryArm:
         dict
             ``s21``: what slide s21 leaves, (14); ``s32``: what slide s32 leaves, (15) with
             its negative branch; ``all``: what both and the joint's limits leave, (16).
+
+        Examples
+        --------
+        >>> from agrik_fast.arms import StrawberryArm
+        >>> "all" in StrawberryArm().theta_sets([0.426, 0.345, -0.3316], 0.4)
+        True
         """
         target = finite_array("target", target, (3,))
         return self._arm.theta_sets(target, real_number("beta", beta, unit="rad"))
@@ -317,6 +367,12 @@ class StrawberryArm:
         ArgumentError
             A wrong argument, or a pose without derivative: theta cannot keep slide s32
             where it is at theta 0, nor s21 at a quarter turn.
+
+        Examples
+        --------
+        >>> from agrik_fast.arms import StrawberryArm
+        >>> sorted(StrawberryArm().slopes(-0.5, 0.4))
+        ['beta_by_s10', 'friction_by_s10', 'potential_by_s10', 'theta_by_beta']
         """
         theta = real_number("theta", theta, unit="rad")
         beta = real_number("beta", beta, unit="rad")
@@ -356,6 +412,14 @@ class StrawberryArm:
         ------
         ArgumentError
             A pose or psi outside the limits, or a negative `h_extra`; for both ways.
+
+        Examples
+        --------
+        >>> from agrik_fast.arms import StrawberryArm
+        >>> arm = StrawberryArm()
+        >>> steps = arm.commands(arm.solve([0.426, 0.345, -0.3316]).q)
+        >>> [step.axis for step in steps]
+        ['gripper', 's32', 's10', 's21', 'theta', 'beta', 'psi', 's32', 'gripper']
         """
         psi = real_number("psi", psi, unit="rad")
         h_extra = real_number("h_extra", h_extra, 0, unit="m")
@@ -395,6 +459,14 @@ class StrawberryArm:
         ------
         ArgumentError
             Axes or a weight that are none, or a wrong shape.
+
+        Examples
+        --------
+        >>> from agrik_fast.arms import StrawberryArm
+        >>> arm = StrawberryArm()
+        >>> shift = arm.suggest_base_shift([0.426, 1.5, -0.33])
+        >>> bool(arm.solve(np.array([0.426, 1.5, -0.33]) - 1.0001 * shift).success)
+        True
         """
         given: object = axes
         if not isinstance(given, str) or not given or not set(given) <= set("xyz"):

@@ -59,11 +59,30 @@ _STALLED = 1e-9
 
 
 class TransposeStepWarning(UserWarning):
-    """A fixed transpose step is above its stability bound for some targets."""
+    """A fixed transpose step is above its stability bound for some targets.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> from agrik_fast.arms import TomatoArm, TransposeStepWarning
+    >>> with warnings.catch_warnings(record=True) as caught:
+    ...     warnings.simplefilter("always")
+    ...     _ = TomatoArm().iterate([0.2, 0, 0.1], "transpose", alpha=70.0, max_iterations=5)
+    >>> issubclass(caught[0].category, TransposeStepWarning)
+    True
+    """
 
 
 class Outcome(IntEnum):
-    """What became of a target."""
+    """What became of a target.
+
+    Examples
+    --------
+    >>> from agrik_fast.arms import Outcome, TomatoArm
+    >>> found = TomatoArm().solve([[0.2, 0.05, 0.1], [2.0, 0.0, 0.0]])
+    >>> [Outcome(int(code)).name for code in found.outcome]
+    ['OK', 'TOO_FAR']
+    """
 
     OK = 0
     """Reached."""
@@ -94,6 +113,13 @@ class TomatoResult(Record):
         Codes of `Outcome`.
     branch : ndarray, shape (...)
         Number of the branch taken, in the order of `BRANCHES`; -1 for none.
+
+    Examples
+    --------
+    >>> from agrik_fast.arms import TomatoArm
+    >>> found = TomatoArm().solve([[0.2, 0.05, 0.1], [2.0, 0.0, 0.0]])
+    >>> found.success.tolist(), found.branch.shape
+    ([True, False], (2,))
     """
 
     outcome: NDArray[np.uint8]
@@ -111,6 +137,13 @@ class TomatoBranches(NamedTuple):
         Within the servos' limits.
     outcome : ndarray, shape (...)
         Codes of `Outcome`.
+
+    Examples
+    --------
+    >>> from agrik_fast.arms import TomatoArm
+    >>> found = TomatoArm().branches([0.2, 0.05, 0.1])
+    >>> int(found.valid.sum()) >= 1
+    True
     """
 
     q: FloatArray
@@ -126,6 +159,12 @@ class PacedResult(Record):
     ----------
     reason : ndarray of str, shape (...)
         ok, cap, singular, stalled, diverged, too_far or bad_input.
+
+    Examples
+    --------
+    >>> from agrik_fast.arms import TomatoArm
+    >>> str(TomatoArm().iterate([1.0, 0.0, 0.0], "inverse").reason)
+    'too_far'
     """
 
     reason: NDArray[np.str_]
@@ -188,11 +227,25 @@ class TomatoArm:
         self._loop = _free_chain(self.l1, self.l2)
 
     def fk(self, q: ArrayLike) -> FloatArray:
-        """Return tool points, shape (..., 3), m, of joint values, shape (..., 3), (10)-(12)."""
+        """Return tool points, shape (..., 3), m, of joint values, shape (..., 3), (10)-(12).
+
+        Examples
+        --------
+        >>> from agrik_fast.arms import TomatoArm
+        >>> TomatoArm().fk([1.0, -1.5, 0.0]).shape
+        (3,)
+        """
         return self._turned_round(self._loop.fk(q)[..., :3, 3])
 
     def jacobian(self, q: ArrayLike) -> FloatArray:
-        """Return Jacobians of the tool point, shape (..., 3, 3), m/rad."""
+        """Return Jacobians of the tool point, shape (..., 3, 3), m/rad.
+
+        Examples
+        --------
+        >>> from agrik_fast.arms import TomatoArm
+        >>> TomatoArm().jacobian([1.0, -1.5, 0.0]).shape
+        (3, 3)
+        """
         jacobian = np.asarray(self._loop.jacobian(q)[..., :3, :])
         if self.centre is not None:
             jacobian[..., 1, :] *= -1
@@ -241,6 +294,14 @@ class TomatoArm:
             A wrong shape or type, or a `current` that is not finite.
         UnknownNameError
             No branch has that name.
+
+        Examples
+        --------
+        >>> from agrik_fast.arms import TomatoArm
+        >>> arm = TomatoArm()
+        >>> found = arm.solve([0.2, 0.05, 0.1])
+        >>> bool(found.success), np.allclose(arm.fk(found.q), [0.2, 0.05, 0.1])
+        (True, True)
         """
         current = finite_array("current", current, (3,))
         follow = truth_value("follow", follow)
@@ -266,6 +327,12 @@ class TomatoArm:
         ------
         ArgumentError
             A wrong shape, or a `pan` that is not finite.
+
+        Examples
+        --------
+        >>> from agrik_fast.arms import TomatoArm
+        >>> TomatoArm().branches([0.2, 0.05, 0.1]).q.shape
+        (4, 3)
         """
         pan = real_number("pan", pan, unit="rad")
         return TomatoBranches(*self._arm.branches(self._turned_round(targets), pan))
@@ -274,6 +341,12 @@ class TomatoArm:
         """Return the fixed transpose step, 1/m^2, above which the iteration diverges.
 
         2 over the largest eigenvalue of ``J J^T`` at joint values, shape (..., 3).
+
+        Examples
+        --------
+        >>> from agrik_fast.arms import TomatoArm
+        >>> bool(TomatoArm().transpose_bound([1.0, -1.5, 0.0]) > 0)
+        True
         """
         return self._arm.transpose_bound(q)
 
@@ -329,6 +402,13 @@ class TomatoArm:
             A wrong shape, or a number out of its range.
         UnknownNameError
             No such method.
+
+        Examples
+        --------
+        >>> from agrik_fast.arms import TomatoArm
+        >>> found = TomatoArm().iterate([0.2, 0.05, 0.1], "dls")
+        >>> bool(found.success), str(found.reason)
+        (True, 'ok')
         """
         word("method", method, METHODS)
         points = float_array("targets", targets)

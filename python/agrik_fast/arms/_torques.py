@@ -37,6 +37,12 @@ class Servo:
     ------
     ArgumentError
         A number is out of its range.
+
+    Examples
+    --------
+    >>> from agrik_fast.arms import Servo
+    >>> Servo(name="S", torque=1.2, mass=0.06, speed=5.2, source="data sheet").torque
+    1.2
     """
 
     name: str
@@ -91,6 +97,12 @@ class Load:
     ------
     ArgumentError
         A mass is negative, or a number is not finite.
+
+    Examples
+    --------
+    >>> from agrik_fast.arms import Load
+    >>> Load(payload=0.2).motor
+    0.043
     """
 
     link1: float = 0.032
@@ -129,6 +141,13 @@ class Torques(NamedTuple):
         Servo torque over holding torque.
     enough : bool
         Both factors reach the wanted one.
+
+    Examples
+    --------
+    >>> from agrik_fast.arms import holding_torques
+    >>> torques = holding_torques()
+    >>> torques.enough, round(torques.shoulder_factor, 1)
+    (True, 1.8)
     """
 
     shoulder: float
@@ -179,6 +198,13 @@ def holding_torques(
     ------
     ArgumentError
         A wrong type, or a number out of its range.
+
+    Examples
+    --------
+    >>> from agrik_fast.arms import Load, holding_torques
+    >>> torques = holding_torques(load=Load(payload=0.1))
+    >>> torques.shoulder > torques.elbow
+    True
     """
     load = Load() if load is None else load
     for name, part, kind in (

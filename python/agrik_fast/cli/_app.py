@@ -14,7 +14,7 @@ import typer
 from typer.core import TyperCommand
 
 from ..papers import PAPERS
-from . import _options
+from . import _harvest_options, _options
 from ._cluster_app import app as cluster_app
 from ._exits import NOT_ALL_SOLVED, exit_codes, run, say, telling
 
@@ -29,7 +29,15 @@ app.add_typer(cluster_app, name="cluster")
 
 
 def main() -> None:
-    """Run the command line and exit with its status."""
+    """Run the command line and exit with its status.
+
+    Examples
+    --------
+    >>> import subprocess, sys
+    >>> command = [sys.executable, "-m", "agrik_fast.cli", "robots"]
+    >>> "ur5" in subprocess.run(command, capture_output=True, text=True).stdout
+    True
+    """
     run(lambda: app(prog_name="agrik-fast"))
 
 
@@ -298,7 +306,7 @@ def convert(
 
 @app.command()
 def schema(
-    kind: Annotated[str, typer.Argument(help="robot or gains.")],
+    kind: Annotated[str, typer.Argument(help="robot, gains, scene or calibration.")],
 ) -> None:
     """Print the JSON Schema of a kind of file, for editors."""
     with exit_codes():
@@ -414,20 +422,14 @@ def harvest(
     robot: Annotated[
         str, typer.Option(help="An arm on a slide with bodies: a name, .toml or .urdf.")
     ] = "cucumber",
-    distance: Annotated[
-        str, typer.Option(help="exact, or tree: boxes as spheres, as in the paper.")
-    ] = "exact",
-    refine: Annotated[bool, typer.Option(help="Improve postures by a pattern search.")] = True,
-    recovery: Annotated[
-        bool, typer.Option(help="Go on after the best approach angle has failed.")
-    ] = True,
-    blockers: Annotated[bool, typer.Option(help="Name the leaves in the way.")] = True,
+    distance: _harvest_options.DistanceOption = "exact",
+    refine: _harvest_options.Refine = True,
+    recovery: _harvest_options.Recovery = True,
+    blockers: _harvest_options.BlockersOption = True,
     pictures: Annotated[bool, typer.Option(help="Draw pictures; needs Matplotlib.")] = True,
-    tilt_deg: Annotated[float, typer.Option(help="Tilt that the gripper tolerates, deg.")] = 0.0,
-    shift: Annotated[float, typer.Option(help="Shift along the fruit that it tolerates, m.")] = 0.0,
-    min_distance: Annotated[
-        float, typer.Option(help="Distance that postures keep from the crop, m.")
-    ] = 0.005,
+    tilt_deg: _harvest_options.Tilt = 0.0,
+    shift: _harvest_options.Shift = 0.0,
+    min_distance: _harvest_options.MinDistance = 0.005,
     threads: Annotated[
         int | None, typer.Option(min=1, help="Threads; by default all cores.")
     ] = None,
@@ -441,7 +443,7 @@ def harvest(
     picked, why not the rest, and which leaves block it.
     """
     with exit_codes() as kept:
-        from ._harvest import check_folder, evaluate, lines
+        from ._harvest import check_folder, evaluate, lines, settings_of
         from .progress import for_stream
 
         check_folder(output, force=force)
@@ -456,16 +458,19 @@ def harvest(
                 bar.advance(now - done)
                 done = now
 
+            settings = settings_of(
+                refine=refine,
+                recovery=recovery,
+                tilt_deg=tilt_deg,
+                shift=shift,
+                min_distance=min_distance,
+            )
             found = evaluate(
                 scene,
                 robot,
                 distance,
-                refine=refine,
-                recovery=recovery,
+                settings=settings,
                 blockers=blockers,
-                tilt_deg=tilt_deg,
-                shift=shift,
-                min_distance=min_distance,
                 threads=threads,
                 progress=advance,
             )
@@ -585,14 +590,53 @@ def paper(
 
 
 @app.command()
+def detect(
+    images: Annotated[list[Path], typer.Argument(help="Pictures, or folders of them.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
+    calibration: Annotated[
+        Path | None,
+        typer.Option("--calibration", help="The camera's file (.json); for pictures of its size."),
+    ] = None,
+    view_deg: Annotated[
+        float,
+        typer.Option(
+            help="Without a calibration: how wide the camera sees, degrees.", min=1, max=170
+        ),
+    ] = 60.0,
+    radius_mm: Annotated[
+        float | None, typer.Option(help="The fruits' radius, mm: places then are in the table.")
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Write into a folder that holds files.")
+    ] = False,
+) -> None:
+    """Find ripe tomatoes in pictures, draw them and write a table.
+
+    Writes detections.csv (one row a fruit: status, place and half angle; not_found for a picture
+    without any) and every picture with what was found. Only status ok is fit to be approached.
+    Needs the extra `vision`.
+    """
+    with exit_codes() as kept:
+        from ._detect import DetectRequest
+        from ._detect import detect as look
+
+        kept.what = lambda: f"pictures that were finished are in {output}"
+        request = DetectRequest(images, output, calibration, view_deg, radius_mm, force)
+        files = look(request, say)
+        with telling(f"files: {output}"):
+            for file in files:
+                typer.echo(str(file))
+
+
+@app.command()
 def drive(
     rig: Annotated[str, typer.Argument(help="strawberry or tomato.")],
     targets: Annotated[
-        Path,
+        Path | None,
         typer.Option(
             help="Points: .csv, .npy, .npz or .parquet; columns x,y,z without a unit are mm."
         ),
-    ],
+    ] = None,
     port: Annotated[
         str,
         typer.Option(
@@ -620,16 +664,61 @@ def drive(
     log: Annotated[
         Path | None, typer.Option(help="File that every frame on the line is written to.")
     ] = None,
+    camera: Annotated[
+        str | None,
+        typer.Option(
+            help="Tomato, instead of --targets: a camera that finds them. simulated (the renderer, "
+            "with --port simulated), the number of a device, a video, or a folder of pictures."
+        ),
+    ] = None,
+    camera_calibration: Annotated[
+        Path | None, typer.Option(help="The camera's file (.json), as `vision.Camera.save` writes.")
+    ] = None,
+    camera_pose: Annotated[
+        Path | None,
+        typer.Option(help="The camera's pose in the arm's frame: .json, a matrix of 4 x 4, m."),
+    ] = None,
+    radius_mm: Annotated[float, typer.Option(help="With --camera: the fruits' radius.")] = 30.0,
+    radius_sigma_mm: Annotated[
+        float, typer.Option(help="Its standard deviation: the gap before the fruit grows with it.")
+    ] = 0.0,
+    seconds: Annotated[
+        float | None, typer.Option(help="With --camera: how long; until Ctrl-C by default.")
+    ] = None,
 ) -> None:
-    """Drive the strawberry or the tomato rig from target to target.
+    """Drive the strawberry or the tomato rig from target to target, or to what a camera sees.
 
-    A table shows where it is. Ctrl-C stops the motors first. At the first target that cannot be
-    driven to the motors stop, and the rest of the list is named. Needs the extra `drivers`, and
-    for the simulated rig a checkout with `make firmware`.
+    A table shows where it is; with a camera, the numbers of the last picture. Ctrl-C stops the
+    motors first. At the first target that cannot be driven to the motors stop, and the rest of the
+    list is named. Needs the extra `drivers` (with a camera, `vision` too), and for the simulated
+    rig a checkout with `make firmware`.
     """
     with exit_codes() as kept:
-        from ._drive import DriveRequest, Row, count, drive_words
+        from ._drive import DriveRequest, Row, count, drive_words, one_of
 
+        one_of(targets, camera)
+        if camera is not None:
+            from ._point import PointRequest, Summary, point, said
+
+            summary = Summary()
+            kept.what = lambda: f"servos hold or are off; {said(summary)}"
+            pointing = PointRequest(
+                rig,
+                port,
+                camera,
+                calibration,
+                camera_calibration,
+                camera_pose,
+                radius_mm / 1000,
+                radius_sigma_mm / 1000,
+                seconds,
+                log,
+            )
+            point(pointing, summary)
+            with telling():
+                typer.echo(said(summary))
+            return
+        assert targets is not None
         rows: list[Row] = []
         kept.what = lambda: f"motors are stopped; {count(rows)}" if rows else "nothing has moved"
         request = DriveRequest(

@@ -18,6 +18,8 @@ from .. import cluster
 from .._files import os_reason
 from ..cluster import FolderStatus, Progress, Summary, Tls
 from ..errors import ArgumentError, UnknownNameError
+from ..jobs import RobotChoice
+from ..robot import Robot
 from ._exits import PARTITIONS_FAILED, Kept, say, write_line
 
 _LINE_S = 60.0
@@ -31,6 +33,12 @@ _OPTIONS = {
     "simd": "--simd",
     "source": "IN",
     "target": "OUT",
+    "tolerance_frame": "--tol-frame",
+    "mask": "--mask",
+    "q0": "--q0",
+    "base_link": "--base-link",
+    "tip_link": "--tip-link",
+    "tool": "--tool",
     "tls": "--tls-ca",
     "tls_ca": "--tls-ca",
     "tls_cert": "--tls-cert",
@@ -65,15 +73,25 @@ def options_of(
     return options
 
 
-def run_words(
-    command: str,
-    paths: list[str],
+def load(
     robot: str,
+    base_link: str | None = None,
+    tip_link: str | None = None,
+    tool: tuple[float, ...] | None = None,
+    frame: str | None = None,
+) -> Robot:
+    """Return the robot that the options of a job name."""
+    return RobotChoice(robot, base_link, tip_link, tool, frame).load()
+
+
+def run_words(
+    make: Callable[[], Callable[..., Summary]],
+    paths: list[str],
     options: dict[str, Any],
     log: Path | None,
     kept: Kept,
 ) -> Summary:
-    """Run a job; errors name the options that their causes were given by.
+    """Run a job that `make` makes; errors name the options that their causes were given by.
 
     Raises
     ------
@@ -104,9 +122,8 @@ def run_words(
             del last[:-1]
             report(progress)
 
-        call = cluster.solve if command == "solve" else cluster.forward
         try:
-            return call(source, target, robot, report=note, **options)
+            return make()(source, target, report=note, **options)
         except UnknownNameError:
             raise
         except ArgumentError as error:

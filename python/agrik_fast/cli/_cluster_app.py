@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from ._exits import NOT_ALL_SOLVED, PARTITIONS_FAILED, exit_codes, say, telling
+from . import _harvest_options as harvest_options
+from . import _options
+from ._cluster_options import Job, Place, RobotOption, job_command
+from ._exits import PARTITIONS_FAILED, exit_codes, telling
 
 app = typer.Typer(
     help="Many targets on many processes or machines: resumable, every result exactly once.",
@@ -16,67 +20,27 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-Paths = Annotated[
-    list[str],
-    typer.Argument(
-        metavar="[IN] OUT",
-        help="IN: a folder of Parquet files, a Parquet file, or results of another job; not with "
-        "--generate. OUT: the folder for results. Paths, or URLs such as s3://bucket/name.",
-    ),
-]
-Place = Annotated[str, typer.Argument(help="Folder of results, or its URL.")]
-RobotOption = Annotated[
-    str, typer.Option("--robot", "-r", help="A bundled robot's name, or a .toml or .urdf file.")
-]
-Generate = Annotated[
-    Path | None, typer.Option(help="Make the rows from this TOML file, where they are needed.")
-]
-Workers = Annotated[
-    int | None, typer.Option(min=1, help="Processes on this machine; by default one per core.")
-]
-Threads = Annotated[int, typer.Option(min=1, help="Threads of each worker.")]
-Scheduler = Annotated[
-    str | None,
-    typer.Option(help="Work on a Dask cluster: its scheduler, tcp://HOST:PORT or tls://HOST:PORT."),
-]
-TlsCa = Annotated[Path | None, typer.Option(help="TLS: certificate of the authority (PEM).")]
-TlsCert = Annotated[Path | None, typer.Option(help="TLS: certificate of this side (PEM).")]
-TlsKey = Annotated[Path | None, typer.Option(help="TLS: key of this side (PEM).")]
-Insecure = Annotated[
-    bool, typer.Option("--insecure", help="Allow a scheduler of another machine without TLS.")
-]
-Timeout = Annotated[float, typer.Option(help="Seconds that the scheduler has to answer.")]
-Shard = Annotated[
-    str | None,
-    typer.Option(help="i/N: only partitions whose number leaves i when divided by N."),
-]
-Rows = Annotated[
-    int, typer.Option(min=1, help="Rows of a partition; larger files are cut between row groups.")
-]
-Retries = Annotated[int, typer.Option(min=0, help="Further attempts at a partition that fails.")]
-Simd = Annotated[str | None, typer.Option(help="Instruction set: scalar, neon, avx2 or avx512.")]
-AllowMixed = Annotated[
-    bool,
-    typer.Option("--allow-mixed", help="Let workers differ in their instruction sets."),
-]
-Force = Annotated[
-    bool, typer.Option("--force", help="Replace results of another job or source in OUT.")
-]
-Log = Annotated[Path | None, typer.Option(help="Append every event to this file, as JSON lines.")]
-Strict = Annotated[bool, typer.Option("--strict", help="Exit with 3 unless every row is solved.")]
 
-
-@app.command()
+@job_command(app, "converged")
 def solve(
-    paths: Paths,
     robot: RobotOption,
     task: Annotated[
         str | None,
-        typer.Option(help="position, pose or axis; by default pose if there are orientations."),
+        typer.Option(
+            help="position, pose, axis, masked or position-first; by default masked with --mask, "
+            "else pose if there are orientations."
+        ),
     ] = None,
     solver: Annotated[str, typer.Option(help="As of `agrik-fast solve`.")] = "lm",
-    tol: Annotated[float, typer.Option(help="Position tolerance in metres.")] = 1e-6,
-    tol_rad: Annotated[float, typer.Option(help="Orientation tolerance in radians.")] = 1e-6,
+    tol: Annotated[
+        str, typer.Option(help="Position tolerance in metres; or three, along x, y, z.")
+    ] = "1e-6",
+    tol_rad: Annotated[
+        str, typer.Option(help="Orientation tolerance in radians; or three, about x, y, z.")
+    ] = "1e-6",
+    tol_frame: Annotated[
+        str | None, typer.Option(help="Whose axes three tolerances are for: base or tool.")
+    ] = None,
     tool_axis: Annotated[
         str, typer.Option(help="Axis task: tool axis, such as z, -x or 0,0.6,0.8.")
     ] = "z",
@@ -84,25 +48,23 @@ def solve(
         str | None,
         typer.Option(help="Axis task: where the tool axis points, such as -z or 0,0,-1."),
     ] = None,
+    mask: Annotated[
+        str | None,
+        typer.Option(help="Weights of the errors along and about x,y,z, such as 1,1,1,0,0,1."),
+    ] = None,
+    mask_frame: Annotated[
+        str, typer.Option(help="Frame in which --mask counts: base or tool.")
+    ] = "base",
+    q0: Annotated[
+        str | None,
+        typer.Option("--q0", help="Start values in radians and metres, such as 0,-1.57,0."),
+    ] = None,
+    base_link: _options.BaseLink = None,
+    tip_link: _options.TipLink = None,
+    tool: _options.Tool = None,
+    frame: _options.Frame = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the restarts.")] = 0,
-    generate: Generate = None,
-    workers: Workers = None,
-    threads: Threads = 1,
-    scheduler: Scheduler = None,
-    tls_ca: TlsCa = None,
-    tls_cert: TlsCert = None,
-    tls_key: TlsKey = None,
-    insecure: Insecure = False,
-    timeout: Timeout = 10.0,
-    shard: Shard = None,
-    rows: Rows = 1_000_000,
-    retries: Retries = 2,
-    simd: Simd = None,
-    allow_mixed: AllowMixed = False,
-    force: Force = False,
-    strict: Strict = False,
-    log: Log = None,
-) -> None:
+) -> Job:
     """Solve all targets of a folder of Parquet files, partition by partition.
 
     Called again, it goes on where it was cut off, whatever cut it off, and the results are the
@@ -110,103 +72,79 @@ def solve(
     started), 3 some rows are not solved (with --strict), 4 some partitions failed or the
     scheduler was lost, 130 interrupted, 143 terminated.
     """
-    with exit_codes() as kept:
-        from ._cluster import options_of, run_words
-        from ._solve import parse_axis
+    from ..cluster import solve as run
+    from ._cluster import load
+    from ._solve import parse_axis, parse_frame, parse_tolerance, parse_values
 
-        given = {
-            "task": task,
-            "solver": solver,
-            "position_tolerance": tol,
-            "orientation_tolerance": tol_rad,
-            "tool_axis": parse_axis("--tool-axis", tool_axis),
-            "direction": None if direction is None else parse_axis("--direction", direction),
-            "seed": seed,
-        }
-        options = options_of(
-            generate=generate,
-            workers=workers,
-            threads=threads,
-            scheduler=scheduler,
-            tls=(tls_ca, tls_cert, tls_key),
-            insecure=insecure,
-            scheduler_timeout=timeout,
-            shard=shard,
-            partition_rows=rows,
-            retries=retries,
-            simd=simd,
-            allow_mixed=allow_mixed,
-            force=force,
-        )
-        summary = run_words("solve", paths, robot, given | options, log, kept)
-        _tell(summary, "converged", strict)
+    return partial(
+        run,
+        robot=load(robot, base_link, tip_link, _options.tool(tool), frame),
+        task=task,
+        solver=solver,
+        position_tolerance=parse_tolerance("--tol", tol),
+        orientation_tolerance=parse_tolerance("--tol-rad", tol_rad),
+        tolerance_frame=parse_frame("--tol-frame", tol_frame),
+        tool_axis=parse_axis("--tool-axis", tool_axis),
+        direction=None if direction is None else parse_axis("--direction", direction),
+        mask=None if mask is None else _options.numbers("--mask", mask, (6,)),
+        mask_frame=parse_frame("--mask-frame", mask_frame) or "base",
+        q0=None if q0 is None else parse_values("--q0", q0),
+        seed=seed,
+    )
 
 
-@app.command()
+@job_command(app, "finite")
 def forward(
-    paths: Paths,
     robot: RobotOption,
-    generate: Generate = None,
-    workers: Workers = None,
-    threads: Threads = 1,
-    scheduler: Scheduler = None,
-    tls_ca: TlsCa = None,
-    tls_cert: TlsCert = None,
-    tls_key: TlsKey = None,
-    insecure: Insecure = False,
-    timeout: Timeout = 10.0,
-    shard: Shard = None,
-    rows: Rows = 1_000_000,
-    retries: Retries = 2,
-    simd: Simd = None,
-    allow_mixed: AllowMixed = False,
-    force: Force = False,
-    strict: Strict = False,
-    log: Log = None,
-) -> None:
+    base_link: _options.BaseLink = None,
+    tip_link: _options.TipLink = None,
+    tool: _options.Tool = None,
+    frame: _options.Frame = None,
+) -> Job:
     """Work out the tool's pose for all joint values, in columns that `cluster solve` reads.
 
     The columns read are those of result files: a joint's name with its unit (theta_rad, s10_m).
     Everything else is as for `cluster solve`.
     """
-    with exit_codes() as kept:
-        from ._cluster import options_of, run_words
+    from ..cluster import forward as run
+    from ._cluster import load
 
-        options = options_of(
-            generate=generate,
-            workers=workers,
-            threads=threads,
-            scheduler=scheduler,
-            tls=(tls_ca, tls_cert, tls_key),
-            insecure=insecure,
-            scheduler_timeout=timeout,
-            shard=shard,
-            partition_rows=rows,
-            retries=retries,
-            simd=simd,
-            allow_mixed=allow_mixed,
-            force=force,
-        )
-        summary = run_words("forward", paths, robot, options, log, kept)
-        _tell(summary, "finite", strict)
+    return partial(run, robot=load(robot, base_link, tip_link, _options.tool(tool), frame))
 
 
-def _tell(summary: Any, good: str, strict: bool) -> None:
-    from ._cluster import lines_of
+@job_command(app, "evaluated")
+def harvest(
+    robot: RobotOption = "cucumber",
+    distance: harvest_options.DistanceOption = "exact",
+    refine: harvest_options.Refine = True,
+    recovery: harvest_options.Recovery = True,
+    blockers: harvest_options.BlockersOption = True,
+    tilt_deg: harvest_options.Tilt = 0.0,
+    shift: harvest_options.Shift = 0.0,
+    min_distance: harvest_options.MinDistance = 0.005,
+) -> Job:
+    """Decide for the fruits of many crops which can be picked: a row for each crop.
 
-    with telling(f"results: {summary.place}"):
-        for line in lines_of(summary):
-            typer.echo(line)
-    if summary.failures:
-        first = summary.failures[0]
-        say(
-            f"agrik-fast: {len(summary.failures)} of {summary.partitions} partitions failed, "
-            f"first {first.name}: {first.error}; the list is in {summary.place}, the same command "
-            "tries them again"
-        )
-        raise typer.Exit(PARTITIONS_FAILED)
-    if strict and summary.counts.get(good, 0) < summary.rows:
-        raise typer.Exit(NOT_ALL_SOLVED)
+    The columns read are `scene`, the path of a scene file, or arguments of a made-up greenhouse:
+    `seed`, `plants`, `leaves`, `points`, `fruits`, `radius_m`, `y0_m`, `y1_m`, `stem_x_m`,
+    `clear_from_m` and `clear_to_m`. Written are how many fruits there are, how many of them can
+    be picked, what becomes of the others, and which leaves are in the way. Everything else is as
+    for `cluster solve`.
+    """
+    from ..cluster import harvest as run
+    from ..harvest import CropsJob
+    from ._cluster import load
+    from ._harvest import settings_of
+
+    settings = settings_of(
+        refine=refine,
+        recovery=recovery,
+        tilt_deg=tilt_deg,
+        shift=shift,
+        min_distance=min_distance,
+    )
+    job = CropsJob(load(robot), settings, distance, blockers=blockers)
+    return partial(run, job=job)
 
 
 @app.command()

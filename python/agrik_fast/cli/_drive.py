@@ -53,6 +53,19 @@ class Row:
     note: str = ""
 
 
+def one_of(targets: Path | None, camera: str | None) -> None:
+    """Refuse both targets and a camera, and neither.
+
+    Raises
+    ------
+    ArgumentError
+        It is so.
+    """
+    if (targets is None) == (camera is None):
+        found = "neither" if targets is None else "both"
+        raise ArgumentError("--targets, --camera", found, "one of them")
+
+
 class DriveError(RigError):
     """A target that could not be driven to, and what of the list was left."""
 

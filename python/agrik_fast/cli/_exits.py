@@ -1,4 +1,4 @@
-"""How a command ends: exit statuses, one line for every error, streams that fail.
+"""How a command ends: exit statuses, one line for every fault, streams that fail.
 
 What a command was asked for comes first: a result that is on the disk stays, whatever
 becomes of the words about it.
@@ -11,8 +11,9 @@ import os
 import signal
 import sys
 import threading
+import warnings
 from collections.abc import Callable, Iterator
-from typing import IO, TextIO
+from typing import IO, Any, TextIO
 
 import typer
 
@@ -28,7 +29,7 @@ INTERRUPTED = 130  # the shell's 128 + SIGINT
 HUNG_UP = 129
 TERMINATED = 143
 
-# Faults of a file that one line names.
+# Faults of a file that are told, a line each.
 _PARTS = 20
 _ENDINGS = {"SIGTERM": ("terminated", TERMINATED), "SIGHUP": ("hung up", HUNG_UP)}
 
@@ -50,10 +51,10 @@ class Kept:
 
 @contextlib.contextmanager
 def exit_codes() -> Iterator[Kept]:
-    """Turn errors and signals into one line on stderr and an exit status."""
+    """Turn errors and signals into lines on stderr and an exit status, warnings into lines."""
     kept = Kept()
     try:
-        with _signals_as_exceptions():
+        with _signals_as_exceptions(), _warnings_as_lines():
             yield kept
     except _Ended as ended:
         say(f"agrik-fast: {ended.word}, {kept.what()}")
@@ -82,7 +83,9 @@ def _told(error: Exception) -> tuple[str, int]:
     if isinstance(error, AgrikError | OSError):
         parts = [part.strip() for part in str(error).splitlines() if part.strip()]
         more = [f"and {len(parts) - _PARTS} more"] if len(parts) > _PARTS else []
-        return "; ".join(parts[:_PARTS] + more), BAD_ARGUMENTS
+        # A single fault stands behind its file's name.
+        between = "; " if len(parts) <= 2 else "\n  "
+        return between.join(parts[:_PARTS] + more), BAD_ARGUMENTS
     if isinstance(error, ImportError):
         return f"cannot be loaded: {brief(error)}", NO_MEMORY
     if isinstance(error, RuntimeError) and "new thread" in str(error):
@@ -95,6 +98,22 @@ def _told(error: Exception) -> tuple[str, int]:
         f"a fault of the program, please report it: {type(error).__name__}{where}: {brief(error)}",
         FAULT,
     )
+
+
+@contextlib.contextmanager
+def _warnings_as_lines() -> Iterator[None]:
+    """Tell what the package warns of in a line, without the place in its sources."""
+    with warnings.catch_warnings():
+        before = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+            if category.__module__.partition(".")[0] == __package__.partition(".")[0]:
+                say(f"agrik-fast: {message}")
+            else:
+                before(message, category, *place, **more)
+
+        warnings.showwarning = show
+        yield
 
 
 @contextlib.contextmanager

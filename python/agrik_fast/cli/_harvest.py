@@ -13,17 +13,32 @@ from ..harvest import Evaluation
 from ..robot import Robot
 
 
+def settings_of(
+    *, refine: bool, recovery: bool, tilt_deg: float, shift: float, min_distance: float
+) -> harvest.Settings:
+    """Return the settings that options name.
+
+    Raises
+    ------
+    ArgumentError
+        A number out of its range.
+    """
+    return harvest.Settings(
+        refine=refine,
+        recovery=recovery,
+        tilt=math.radians(tilt_deg),
+        shift=shift,
+        min_distance=min_distance,
+    )
+
+
 def evaluate(
     scene: Path,
     robot: str,
     distance: str,
     *,
-    refine: bool,
-    recovery: bool,
+    settings: harvest.Settings,
     blockers: bool,
-    tilt_deg: float,
-    shift: float,
-    min_distance: float,
     threads: int | None,
     progress: Callable[[int, int], object],
 ) -> Evaluation:
@@ -34,13 +49,6 @@ def evaluate(
     AgrikError
         A faulty file or robot, a scene without fruit, an option out of its range.
     """
-    settings = harvest.Settings(
-        refine=refine,
-        recovery=recovery,
-        tilt=math.radians(tilt_deg),
-        shift=shift,
-        min_distance=min_distance,
-    )
     return harvest.evaluate(
         Scene.load(scene),
         Robot.load(robot),

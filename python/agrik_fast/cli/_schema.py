@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 from .._checks import word
 from ..robot import file_schema
 from ..solvers.gain_file import GainFile
+
+KINDS = ("robot", "gains", "scene", "calibration")
+"""Kinds of files that have one."""
 
 
 def json_schema(kind: str) -> str:
@@ -17,5 +21,18 @@ def json_schema(kind: str) -> str:
     UnknownNameError
         There is no such kind.
     """
-    makers = {"robot": file_schema, "gains": GainFile.model_json_schema}
-    return json.dumps(makers[word("kind of file", kind, makers)](), indent=2)
+    return json.dumps(_schema(word("kind of file", kind, KINDS)), indent=2)
+
+
+def _schema(kind: str) -> dict[str, Any]:
+    if kind == "robot":
+        return file_schema()
+    if kind == "gains":
+        return GainFile.model_json_schema()
+    if kind == "scene":
+        from ..collision import file_schema as scene_schema
+
+        return scene_schema()
+    from ..drivers import Calibration
+
+    return Calibration.model_json_schema()

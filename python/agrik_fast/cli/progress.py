@@ -91,5 +91,15 @@ class Bar:
 
 
 def for_stream(stream: TextIO) -> Progress:
-    """Return a bar if the stream is a terminal, plain lines otherwise."""
+    """Return a bar if the stream is a terminal, plain lines otherwise.
+
+    Examples
+    --------
+    >>> import io
+    >>> from agrik_fast.cli import progress
+    >>> stream = io.StringIO()
+    >>> with progress.for_stream(stream) as bar:
+    ...     bar.start("ur5", 10)
+    ...     bar.advance(10)
+    """
     return Bar(stream) if stream.isatty() else Plain(stream)

@@ -57,6 +57,16 @@ def print_summaries(summaries: Sequence[Summary], stream: TextIO) -> None:
 
     A terminal shows a single batch downwards, and several as sentences if the table is
     wider than the window.
+
+    Examples
+    --------
+    >>> import io
+    >>> from agrik_fast.cli import summary
+    >>> from agrik_fast.jobs import Summary
+    >>> stream = io.StringIO()
+    >>> summary.print_summaries([Summary("ur5", "pose", True)], stream)
+    >>> "ur5" in stream.getvalue()
+    True
     """
     lines = table(summaries)
     if stream.isatty():

@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping
 from os import PathLike, fspath
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from .._checks import truth_value, whole_number, word
 from ..errors import ArgumentError
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 Place = str | PathLike[str]
+Near = float | tuple[float, float, float]
 _LEVELS = ("scalar", "neon", "avx2", "avx512")
 _MOST_SHARDS = 10**9
 
@@ -119,6 +120,16 @@ def run(
         An argument, the source, the target or the cluster cannot be used; the scheduler was lost.
     KeyboardInterrupt
         Ctrl-C: work underway is given up within a second and leaves nothing behind.
+
+    Examples
+    --------
+    >>> from agrik_fast import cluster, jobs
+    >>> np.save("points.npy", np.full((10, 3), 0.3))
+    >>> _ = jobs.split_file("points.npy", "parts", rows=5)
+    >>> job = jobs.SolveJob(ik.Robot.load("ur5"))
+    >>> summary = cluster.run(job, "parts", "run", workers=1, partition_rows=5)
+    >>> summary.complete, summary.rows
+    (True, 10)
     """
     workers = whole_number("workers", os.cpu_count() or 1 if workers is None else workers, 1)
     threads = whole_number("threads", threads, 1)
@@ -174,10 +185,14 @@ def solve(
     *,
     task: str | None = None,
     solver: Any = "lm",
-    position_tolerance: float = 1e-6,
-    orientation_tolerance: float = 1e-6,
+    position_tolerance: Near = 1e-6,
+    orientation_tolerance: Near = 1e-6,
+    tolerance_frame: Literal["base", "tool"] | None = None,
     tool_axis: tuple[float, float, float] = (0.0, 0.0, 1.0),
     direction: tuple[float, float, float] | None = None,
+    mask: tuple[float, ...] | None = None,
+    mask_frame: Literal["base", "tool"] = "base",
+    q0: tuple[float, ...] | None = None,
     seed: int = 0,
     tool: ArrayLike | None = None,
     **options: Any,
@@ -195,7 +210,9 @@ def solve(
         Where results go.
     robot : Robot, str or path
         A robot, or what `Robot.load` takes.
-    task, solver, position_tolerance, orientation_tolerance, tool_axis, direction, seed, tool
+    task, solver, position_tolerance, orientation_tolerance, tolerance_frame, tool_axis
+        As for `agrik_fast.jobs.SolveJob`.
+    direction, mask, mask_frame, q0, seed, tool
         As for `agrik_fast.jobs.SolveJob`.
     **options
         As for `run`: `generate`, `workers`, `threads`, `scheduler`, `tls`, `shard`, `report`, ...
@@ -213,6 +230,7 @@ def solve(
 
     Examples
     --------
+    >>> from agrik_fast.cluster import solve
     >>> import pathlib, tempfile
     >>> folder = pathlib.Path(tempfile.mkdtemp())
     >>> _ = (folder / "grid.toml").write_text('''
@@ -240,8 +258,12 @@ def solve(
         solver=solver,
         position_tolerance=position_tolerance,
         orientation_tolerance=orientation_tolerance,
+        tolerance_frame=tolerance_frame,
         tool_axis=tool_axis,
         direction=direction,
+        mask=mask,
+        mask_frame=mask_frame,
+        q0=q0,
         seed=seed,
         tool=tool,
     )
@@ -272,8 +294,73 @@ def forward(source: Place | Source | None, target: Place, robot: Any, **options:
         As for `run`.
     KeyboardInterrupt
         Ctrl-C.
+
+    Examples
+    --------
+    >>> import pyarrow, pyarrow.parquet
+    >>> from agrik_fast import cluster
+    >>> from agrik_fast.io import ResultLayout
+    >>> arm = ik.Robot.load("tomato")
+    >>> names = ResultLayout.joint_names(arm.joint_names, arm.joint_types)
+    >>> pyarrow.parquet.write_table(pyarrow.table(dict.fromkeys(names, [0.1])), "q.parquet")
+    >>> cluster.forward("q.parquet", "poses", arm, workers=1).rows
+    1
     """
     return run(ForwardJob(load_robot(robot)), source, target, **options)
+
+
+def harvest(
+    source: Place | Source | None, target: Place, job: Job | None = None, **options: Any
+) -> Summary:
+    """Decide for the fruits of many crops which can be picked, see `run`.
+
+    Parameters
+    ----------
+    source : str, path or Source
+        Parquet files with a row for each crop: a column ``scene`` with the paths of scene files,
+        or arguments of made-up greenhouses; None with `generate`.
+    target : str or path
+        Where results go: a row for each crop.
+    job : agrik_fast.harvest.CropsJob
+        Robot, settings, and how distances are measured.
+    **options
+        As for `run`.
+
+    Returns
+    -------
+    Summary
+
+    Raises
+    ------
+    AgrikError
+        As for `run`, and where there is no job.
+    KeyboardInterrupt
+        Ctrl-C.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from agrik_fast.harvest import CropsJob
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> _ = (folder / "crops.toml").write_text('''
+    ... rows_per_partition = 2
+    ... [[axis]]
+    ... column = "leaves"
+    ... values = [4, 8]
+    ... [[axis]]
+    ... column = "seed"
+    ... from = 1
+    ... to = 2
+    ... count = 2
+    ... ''')
+    >>> crops = folder / "crops.toml"
+    >>> end = harvest(None, folder / "out", CropsJob("cucumber"), generate=crops, workers=1)
+    >>> end.rows, end.counts
+    (4, {'evaluated': 4})
+    """
+    if job is None:
+        raise ArgumentError("job", "nothing", "an agrik_fast.harvest.CropsJob")
+    return run(job, source, target, **options)
 
 
 def open_source(

@@ -66,6 +66,7 @@ def map_partitions(
 
     Examples
     --------
+    >>> from agrik_fast.cluster import map_partitions
     >>> import dask.array, numpy as np
     >>> import agrik_fast as ik
     >>> from agrik_fast.jobs import SolveJob
@@ -174,6 +175,18 @@ def futures(
     ------
     AgrikError
         As for `run`.
+
+    Examples
+    --------
+    >>> import dask.distributed
+    >>> from agrik_fast import cluster, jobs
+    >>> np.save("points.npy", np.full((10, 3), 0.3))
+    >>> _ = jobs.split_file("points.npy", "parts", rows=5)
+    >>> with dask.distributed.Client(processes=False, dashboard_address=None) as client:
+    ...     job = jobs.SolveJob(ik.Robot.load("ur5"))
+    ...     found = cluster.futures(client, job, "parts", "out")
+    ...     print([future.result().record.rows for future in found])
+    [5, 5]
     """
     rows = open_source(source, None, PARTITION_ROWS, storage_options)
     columns = rows.check(job)

@@ -41,12 +41,27 @@ SCHEDULER_S = 10.0
 
 
 class LostError(JobError):
-    """A scheduler that worked on a job does not answer any more; the job can be started again."""
+    """A scheduler that worked on a job does not answer any more; the job can be started again.
+
+    Examples
+    --------
+    >>> from agrik_fast.cluster import LostError
+    >>> from agrik_fast.jobs import JobError
+    >>> issubclass(LostError, JobError)
+    True
+    """
 
 
 @dataclass(frozen=True)
 class Tls:
-    """Files for encrypted connections: the authority, this side's certificate and key."""
+    """Files for encrypted connections: the authority, this side's certificate and key.
+
+    Examples
+    --------
+    >>> from agrik_fast.cluster import Tls
+    >>> Tls(ca="ca.pem", cert="worker.pem", key="worker.key").ca
+    'ca.pem'
+    """
 
     ca: Path | str
     cert: Path | str

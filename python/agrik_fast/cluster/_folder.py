@@ -155,6 +155,16 @@ class FolderStatus:
         There is a manifest.
     leftovers : int
         Temporary files that have not been written to for an hour.
+
+    Examples
+    --------
+    >>> from agrik_fast import cluster, jobs
+    >>> np.save("points.npy", np.full((10, 3), 0.3))
+    >>> _ = jobs.split_file("points.npy", "parts", rows=5)
+    >>> _ = cluster.solve("parts", "folder_2", ik.Robot.load("ur5"), workers=1)
+    >>> found = cluster.status("folder_2")
+    >>> found.rows_done, found.leftovers
+    (10, 0)
     """
 
     place: str
@@ -185,6 +195,15 @@ def status(
     ------
     JobError
         No such folder, or none with results of a cluster job.
+
+    Examples
+    --------
+    >>> from agrik_fast import cluster, jobs
+    >>> np.save("points.npy", np.full((10, 3), 0.3))
+    >>> _ = jobs.split_file("points.npy", "parts", rows=5)
+    >>> _ = cluster.solve("parts", "folder", ik.Robot.load("ur5"), workers=1)
+    >>> cluster.status("folder").complete
+    True
     """
     store = _existing(place, storage_options)
     described = _description(store) or {}
@@ -234,6 +253,13 @@ class Verified:
         What is wrong, by the name of the file.
     complete : bool
         There was a manifest, and all of it is there.
+
+    Examples
+    --------
+    >>> from agrik_fast.cluster import Verified
+    >>> found = Verified("out", 2, bytes=9000, damaged={"part-000001": "hash"}, complete=False)
+    >>> list(found.damaged)
+    ['part-000001']
     """
 
     place: str
@@ -267,6 +293,15 @@ def verify(
     ------
     JobError
         No such folder, or a file that cannot be read or removed.
+
+    Examples
+    --------
+    >>> from agrik_fast import cluster, jobs
+    >>> np.save("points.npy", np.full((10, 3), 0.3))
+    >>> _ = jobs.split_file("points.npy", "parts", rows=5)
+    >>> _ = cluster.solve("parts", "folder_3", ik.Robot.load("ur5"), workers=1)
+    >>> cluster.verify("folder_3").damaged
+    {}
     """
     store = _existing(place, storage_options)
     described = _description(store) or {}
@@ -356,6 +391,15 @@ def clean(
     ------
     JobError
         No such folder, or one that cannot be written.
+
+    Examples
+    --------
+    >>> from agrik_fast import cluster, jobs
+    >>> np.save("points.npy", np.full((10, 3), 0.3))
+    >>> _ = jobs.split_file("points.npy", "parts", rows=5)
+    >>> _ = cluster.solve("parts", "folder_5", ik.Robot.load("ur5"), workers=1)
+    >>> cluster.clean("folder_5")
+    ()
     """
     real_number("older_s", older_s, 0.0)
     store = _existing(place, storage_options)

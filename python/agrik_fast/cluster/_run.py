@@ -51,6 +51,13 @@ class Progress:
         The partition of the event.
     error : str
         What went wrong.
+
+    Examples
+    --------
+    >>> from agrik_fast.cluster import Progress
+    >>> now = Progress(partitions=4, rows=1000, done=2, rows_done=500)
+    >>> now.rows_done / now.rows
+    0.5
     """
 
     partitions: int
@@ -72,7 +79,14 @@ class Progress:
 
 @dataclass(frozen=True)
 class Failure:
-    """A partition that was given up."""
+    """A partition that was given up.
+
+    Examples
+    --------
+    >>> from agrik_fast.cluster import Failure
+    >>> Failure("part-00001", first=1000, rows=1000, attempts=3, error="disk full").rows
+    1000
+    """
 
     name: str
     first: int
@@ -101,6 +115,15 @@ class Summary:
         All partitions of the source are there; the folder has its manifest.
     seconds, busy_s : float
         Wall clock, and the sum of the partitions' own.
+
+    Examples
+    --------
+    >>> from agrik_fast import cluster, jobs
+    >>> np.save("points.npy", np.full((10, 3), 0.3))
+    >>> _ = jobs.split_file("points.npy", "parts", rows=5)
+    >>> summary = cluster.solve("parts", "sums", ik.Robot.load("ur5"), workers=1)
+    >>> summary.partitions, summary.done, summary.rows
+    (2, 2, 10)
     """
 
     place: str

@@ -16,6 +16,7 @@ from .._bodies import (
 from ._clouds import Cloud, objects_of, read_cloud
 from ._content import Target
 from ._crop import fruit, leaf, pipe, row, stalk, stem, wire
+from ._files import file_schema
 from ._greenhouse import greenhouse, greenhouse_document
 from ._objects import SceneObject
 from ._queries import Distances
@@ -39,6 +40,7 @@ __all__ = [
     "Sphere",
     "Target",
     "document_of",
+    "file_schema",
     "from_document",
     "fruit",
     "greenhouse",

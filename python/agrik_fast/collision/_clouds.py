@@ -52,6 +52,12 @@ class Cloud:
     ------
     ArgumentError
         A wrong shape, NaN or infinity, a negative radius.
+
+    Examples
+    --------
+    >>> cloud = ik.collision.Cloud([[0.6, 0.0, 0.9], [0.6, 0.5, 0.9]], 0.02, labels=[1, 2])
+    >>> [one.name for one in ik.collision.objects_of(cloud)]
+    ['cloud_1', 'cloud_2']
     """
 
     points: FloatArray
@@ -127,6 +133,14 @@ def read_cloud(
         given, holds NaN or a negative radius; says in which row.
     ArgumentError
         The path leads to no file of a known kind.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> rows = "x,y,z,radius", "0.6,0,0.9,0.02", "0.6,0.02,0.9,0.02"
+    >>> _ = pathlib.Path("leaf.csv").write_text(chr(10).join(rows))
+    >>> len(ik.collision.read_cloud("leaf.csv", unit="m").points)
+    2
     """
     file = checked_path("path", path)
     if file.suffix not in CLOUD_SUFFIXES:
@@ -210,6 +224,7 @@ def objects_of(
 
     Examples
     --------
+    >>> from agrik_fast.collision import Cloud, objects_of
     >>> cloud = Cloud([[0, 0, 1], [0, 0, 2], [1, 0, 1]], 0.02, [7, 7, 3])
     >>> [(one.name, len(one)) for one in objects_of(cloud, names={7: "leaf"})]
     [('leaf', 2), ('cloud_3', 1)]

@@ -32,6 +32,12 @@ class Target:
     ------
     ArgumentError
         Not three finite numbers; not names.
+
+    Examples
+    --------
+    >>> target = ik.collision.Target((0.6, 0.0, 1.1), ("fruit", "stalk"))
+    >>> target.objects
+    ('fruit', 'stalk')
     """
 
     point: tuple[float, float, float]

@@ -54,6 +54,11 @@ def pipe(name: str, a: ArrayLike, b: ArrayLike, radius: float = 0.0255) -> Scene
     -------
     SceneObject
         A capsule: exact but for the round ends.
+
+    Examples
+    --------
+    >>> ik.collision.pipe("pipe", (0.3, -1, 0.1), (0.3, 1, 0.1)).kind
+    'pipe'
     """
     return SceneObject.of(name, Capsule(a, b, radius), kind="pipe")  # type: ignore[arg-type]
 
@@ -71,6 +76,11 @@ def wire(name: str, a: ArrayLike, b: ArrayLike, radius: float = 0.002) -> SceneO
     Returns
     -------
     SceneObject
+
+    Examples
+    --------
+    >>> ik.collision.wire("wire", (0.7, -1, 2.5), (0.7, 1, 2.5)).capsules.shape
+    (1, 7)
     """
     return SceneObject.of(name, Capsule(a, b, radius), kind="wire")  # type: ignore[arg-type]
 
@@ -88,6 +98,11 @@ def stem(name: str, foot: ArrayLike, top: ArrayLike, radius: float = 0.009) -> S
     Returns
     -------
     SceneObject
+
+    Examples
+    --------
+    >>> ik.collision.stem("stem", (0.7, 0, 0), (0.7, 0, 2.0)).capsules.shape
+    (1, 7)
     """
     return SceneObject.of(name, Capsule(foot, top, radius), kind="stem")  # type: ignore[arg-type]
 
@@ -107,6 +122,11 @@ def stalk(
     Returns
     -------
     SceneObject
+
+    Examples
+    --------
+    >>> ik.collision.stalk("stalk", (0.65, 0, 1.1), (0.7, 0, 1.15)).kind
+    'stalk'
     """
     capsule = Capsule(fruit_top, at_stem, radius)  # type: ignore[arg-type]
     return SceneObject.of(name, capsule, kind="stalk")
@@ -133,6 +153,11 @@ def fruit(name: str, top: ArrayLike, length: float, radius: float = 0.025) -> Sc
     ------
     ArgumentError
         A length of less than two radii.
+
+    Examples
+    --------
+    >>> ik.collision.fruit("fruit", (0.65, 0, 1.1), 0.3).capsules.shape
+    (1, 7)
     """
     x, y, z = point("top", top)
     radius = real_number("radius", radius, 0.0, unit="m")
@@ -171,6 +196,11 @@ def leaf(
     Returns
     -------
     SceneObject
+
+    Examples
+    --------
+    >>> ik.collision.leaf("leaf", (0.6, 0.1, 1.2), 0.1).spheres.shape
+    (15, 4)
     """
     radius = real_number("radius", radius, 0.0, unit="m")
     azimuth, tilt = real_number("azimuth", azimuth), real_number("tilt", tilt)
@@ -199,6 +229,7 @@ def row(plant: Iterable[SceneObject], count: int, pitch: ArrayLike) -> list[Scen
 
     Examples
     --------
+    >>> from agrik_fast.collision import row, stem
     >>> plants = row([stem("stem", [0.7, 0, 0.1], [0.7, 0, 1.9])], 3, [0, 0.5, 0])
     >>> [one.name for one in plants]
     ['stem_0', 'stem_1', 'stem_2']

@@ -26,6 +26,22 @@ JSON_BYTES = 256 << 20
 TOML_BYTES = 16 << 20
 
 
+def file_schema() -> dict[str, Any]:
+    """Return the JSON Schema of scene files, for editors.
+
+    Returns
+    -------
+    dict
+        The schema.
+
+    Examples
+    --------
+    >>> file_schema()["required"]
+    ['unit']
+    """
+    return SceneFile.model_json_schema()
+
+
 def load(path: str | PathLike[str]) -> Content:
     """Read a scene file; see `Scene.load`."""
     file = checked_path("path", path)

@@ -96,6 +96,7 @@ def greenhouse(
 
     Examples
     --------
+    >>> from agrik_fast.collision import greenhouse
     >>> scene = greenhouse(seed=1, plants=4, leaves=8, clear_band=(0.65, 1.3))
     >>> len(scene), list(scene.targets)
     (54, ['F0_0', 'F1_0', 'F2_0', 'F3_0'])
@@ -146,6 +147,11 @@ def greenhouse_document(
     ------
     ArgumentError
         A number out of its range.
+
+    Examples
+    --------
+    >>> ik.collision.greenhouse_document(seed=1, plants=2)["unit"]
+    'mm'
     """
     stream = _Stream(whole_number("seed", seed, 0, _MASK))
     plants = whole_number("plants", plants, 0, 100_000)

@@ -73,6 +73,12 @@ class SceneObject:
     --------
     SceneObject.of : an object of shapes.
     SceneObject.cloud : an object of points.
+
+    Examples
+    --------
+    >>> one = ik.collision.SceneObject("post", capsules=[[0, 0, 0, 0, 0, 1, 0.05]])
+    >>> one.name, len(one.shapes())
+    ('post', 1)
     """
 
     name: str
@@ -123,6 +129,7 @@ class SceneObject:
 
         Examples
         --------
+        >>> from agrik_fast.collision import Capsule, SceneObject
         >>> post = SceneObject.of("post", Capsule([0.4, 0, 0], [0.4, 0, 2], 0.02), kind="wire")
         >>> post.capsules.shape
         (1, 7)
@@ -185,6 +192,13 @@ class SceneObject:
         ------
         ArgumentError
             A wrong shape, NaN or infinity, a negative radius.
+
+        Examples
+        --------
+        >>> points = [[0.6, 0.0, 0.9], [0.6, 0.02, 0.9]]
+        >>> leaf = ik.collision.SceneObject.cloud("leaf", points, 0.025, kind="leaf")
+        >>> leaf.spheres.shape
+        (2, 4)
         """
         array = float_array("points", points)
         if array.ndim != 2 or array.shape[1] != 3:
@@ -197,7 +211,14 @@ class SceneObject:
         return cls(name, kind, removable, spheres=rows)
 
     def shapes(self) -> tuple[Shape, ...]:
-        """Return what it is made of, one shape a solid."""
+        """Return what it is made of, one shape a solid.
+
+        Examples
+        --------
+        >>> ball = ik.collision.SceneObject.of("ball", ik.collision.Sphere((1, 0, 0), 0.1))
+        >>> ball.shapes()[0].radius
+        0.1
+        """
         found: list[Shape] = [Sphere(tuple(row[:3]), row[3]) for row in self.spheres.tolist()]
         found += [
             Capsule(tuple(row[:3]), tuple(row[3:6]), row[6]) for row in self.capsules.tolist()
@@ -211,7 +232,14 @@ class SceneObject:
         return tuple(found)
 
     def moved(self, pose: ArrayLike) -> SceneObject:
-        """Return the same object of a frame that lies at `pose`, shape (4, 4), m."""
+        """Return the same object of a frame that lies at `pose`, shape (4, 4), m.
+
+        Examples
+        --------
+        >>> ball = ik.collision.SceneObject.of("ball", ik.collision.Sphere((1, 0, 0), 0.1))
+        >>> ball.moved(ik.rotations.pose([0, 0, 1])).spheres
+        array([[1. , 0. , 1. , 0.1]])
+        """
         turn, shift = pose_of("pose", pose)
 
         def place(points: FloatArray) -> FloatArray:

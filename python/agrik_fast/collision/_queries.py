@@ -51,6 +51,14 @@ class Distances:
         Which of `bodies` they are; -1 for none.
     own_points : ndarray, shape (..., 2, 3), m
         Where they come nearest; 0 for none.
+
+    Examples
+    --------
+    >>> scene = ik.collision.greenhouse(seed=1)
+    >>> arm = ik.Robot.load("cucumber")
+    >>> found = scene.distances(arm, arm.home)
+    >>> found.distance.shape == (len(found.bodies),)
+    True
     """
 
     bodies: tuple[str, ...]
@@ -284,6 +292,14 @@ class Queries:
         ------
         ArgumentError
             As `collides`.
+
+        Examples
+        --------
+        >>> scene = ik.collision.greenhouse(seed=1)
+        >>> arm = ik.Robot.load("cucumber")
+        >>> clearance, gradient = scene.gradient(arm, arm.random_q(5, seed=1))
+        >>> clearance.shape, gradient.shape
+        ((5,), (5, 7))
         """
         return self.collider(arm).gradient(q, _cap(cap), threads, truth_value("own", own))
 
@@ -307,6 +323,13 @@ class Queries:
         ------
         ArgumentError
             The arm has no bodies, or an exemption names a body that it does not have.
+
+        Examples
+        --------
+        >>> scene = ik.collision.greenhouse(seed=1)
+        >>> arm = ik.Robot.load("cucumber")
+        >>> scene.collider(arm) is scene.collider(arm)
+        True
         """
         if not isinstance(arm, Robot):
             raise ArgumentError("arm", shown(arm), "a Robot")

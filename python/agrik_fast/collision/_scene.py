@@ -141,6 +141,15 @@ class Scene(Queries):
         ------
         UnknownNameError
             No target has that name.
+
+        Examples
+        --------
+        >>> scene = ik.harvest.example_scene()
+        >>> aim = scene.aiming_at("C1")
+        >>> q = ik.harvest.plan("cucumber", scene, ["C1"]).q[0]
+        >>> arm = ik.Robot.load("cucumber")
+        >>> bool(aim.clearance(arm, q) > scene.clearance(arm, q))
+        True
         """
         if target is not None:
             word("target", target, self.targets)
@@ -164,6 +173,13 @@ class Scene(Queries):
         ------
         UnknownNameError
             No object has that name.
+
+        Examples
+        --------
+        >>> scene = ik.collision.greenhouse(seed=1, plants=1)
+        >>> name = scene.objects[0].name
+        >>> len(scene.objects) - len(scene.without(name).objects)
+        1
         """
         for name in names:
             word("object", name, self.names)
@@ -194,6 +210,12 @@ class Scene(Queries):
         ------
         ArgumentError
             A name is there already.
+
+        Examples
+        --------
+        >>> ball = ik.collision.SceneObject.of("ball", ik.collision.Sphere((1, 0, 0), 0.1))
+        >>> len(ik.Scene([]).with_objects(ball).objects)
+        1
         """
         content = self._content
         together = checked_content(
@@ -217,6 +239,14 @@ class Scene(Queries):
         ------
         ArgumentError
             Not a rigid transform.
+
+        Examples
+        --------
+        >>> pose = ik.rotations.pose([0, 0, 1.0])
+        >>> scene = ik.collision.greenhouse(seed=1, plants=1)
+        >>> raised = scene.moved(pose)
+        >>> round(raised.targets["F0_0"].point[2] - scene.targets["F0_0"].point[2], 6)
+        1.0
         """
         turn, shift = pose_of("pose", pose)
         return self._changed(
@@ -299,6 +329,12 @@ class Scene(Queries):
             The file has faults; lists all of them with their places.
         ArgumentError
             The path leads to no file of a known kind.
+
+        Examples
+        --------
+        >>> ik.collision.greenhouse(seed=1, plants=1).save("plant.json")
+        >>> "F0_0" in ik.Scene.load("plant.json").targets
+        True
         """
         return _rebuilt(load(path))
 
@@ -324,6 +360,13 @@ class Scene(Queries):
             The file cannot be written, or exists already.
         ArgumentError
             Another suffix or unit.
+
+        Examples
+        --------
+        >>> scene = ik.collision.greenhouse(seed=1, plants=1)
+        >>> scene.save("crop.toml", unit="mm", about="one plant")
+        >>> len(ik.Scene.load("crop.toml").objects) == len(scene.objects)
+        True
         """
         save(self._content, path, unit=unit, about=about, force=force)
 
@@ -366,6 +409,7 @@ def from_document(
 
     Examples
     --------
+    >>> from agrik_fast.collision import from_document
     >>> ball = {"name": "ball", "spheres": [[0, 0, 500, 40]]}
     >>> scene = from_document({"unit": "mm", "objects": [ball]})
     >>> scene["ball"].spheres
@@ -394,6 +438,12 @@ def document_of(scene: Scene, *, unit: str = "m", about: str = "") -> dict[str, 
     ------
     ArgumentError
         Another unit; no scene.
+
+    Examples
+    --------
+    >>> scene = ik.collision.greenhouse(seed=1, plants=1)
+    >>> ik.collision.document_of(scene, unit="mm")["unit"]
+    'mm'
     """
     if not isinstance(scene, Scene):
         raise ArgumentError("scene", shown(scene), "a Scene")

@@ -94,6 +94,11 @@ def _as_table(target: Any) -> Any:
     return {"point": target} if isinstance(target, list) else target
 
 
+_PointOrTarget = Annotated[
+    TargetTable, BeforeValidator(_as_table, json_schema_input_type=TargetTable | _Triple)
+]
+
+
 class CloudTable(_Table):
     """A file of labelled points beside the scene file: one object a label."""
 
@@ -124,7 +129,7 @@ class SceneFile(_Table):
     """How near to its target the tool point has to be for it to be touched; 150 mm without."""
     exemptions: list[Annotated[list[str], Field(min_length=2, max_length=2)]] = []
     """Pairs of a body and an object that do not mind each other."""
-    targets: dict[str, Annotated[TargetTable, BeforeValidator(_as_table)]] = {}
+    targets: dict[str, _PointOrTarget] = {}
     """Targets by name: a table, or a point alone."""
     clouds: list[CloudTable] = []
     """Files of labelled points."""

@@ -18,6 +18,8 @@ from ._errors import (
     WrongDeviceError,
 )
 from ._link import Link, LinkStatistics
+from ._lockstep import LockstepCamera
+from ._pointing import PointingLoop, PointingStep
 from ._rig import RigStatus
 from ._runs import Arrival, Run
 from ._simulator import Simulator
@@ -36,7 +38,10 @@ __all__ = [
     "Link",
     "LinkError",
     "LinkStatistics",
+    "LockstepCamera",
     "OutOfReachError",
+    "PointingLoop",
+    "PointingStep",
     "RigError",
     "RigFaultError",
     "RigStatus",

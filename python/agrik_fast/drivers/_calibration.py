@@ -71,7 +71,15 @@ class RigTable(BaseModel):
 
 
 class AxisCalibration(_Table):
-    """A slide: encoder, limits, speeds and control. PWM is 0 to 799."""
+    """A slide: encoder, limits, speeds and control. PWM is 0 to 799.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import Calibration
+    >>> axis = Calibration.load("strawberry").axis[0]
+    >>> axis.name, axis.home_mm < axis.upper_mm
+    ('s10', True)
+    """
 
     name: _Name
     """The joint's."""
@@ -119,13 +127,28 @@ class AxisCalibration(_Table):
         return self
 
     def counts(self, mm: float) -> int:
-        """Return a length in counts."""
+        """Return a length in counts.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Calibration
+        >>> axis = Calibration.load("strawberry").axis[0]
+        >>> axis.counts(10.0) == round(10.0 * axis.counts_per_mm)
+        True
+        """
         return round(mm * self.counts_per_mm)
 
     def target(self, value_mm: float, at: int) -> int:
         """Return the count that brings the carriage to a value, from where the motor is.
 
         The motor first takes up the play: on the way up it goes that much further.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Calibration
+        >>> axis = Calibration.load("strawberry").axis[0]
+        >>> axis.target(200.0, at=0) > axis.target(100.0, at=0)
+        True
         """
         down = self.counts(value_mm - self.home_mm)
         up = down + self.counts(self.backlash_mm)
@@ -133,12 +156,27 @@ class AxisCalibration(_Table):
         return up if up > at else min(down, at)
 
     def value_mm(self, count: int, upward: bool) -> float:
-        """Return the joint's value at a count, given which way the motor went last."""
+        """Return the joint's value at a count, given which way the motor went last.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Calibration
+        >>> axis = Calibration.load("strawberry").axis[0]
+        >>> abs(axis.value_mm(axis.target(200.0, at=0), upward=True) - 200.0) < 0.1
+        True
+        """
         play = self.backlash_mm if upward else 0.0
         return self.home_mm + count / self.counts_per_mm - play
 
     def configure(self, index: int) -> Configure:
-        """Return the message that tells a board about this axis."""
+        """Return the message that tells a board about this axis.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Calibration
+        >>> type(Calibration.load("strawberry").axis[0].configure(0)).__name__
+        'Configure'
+        """
         per_count = 1.0 / self.counts_per_mm
         low, high = self.lower_mm - self.home_mm, self.upper_mm - self.home_mm
         words = {
@@ -175,7 +213,15 @@ class AxisCalibration(_Table):
 
 
 class ServoCalibration(_Table):
-    """A servo: measured angles at several pulses."""
+    """A servo: measured angles at several pulses.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import Calibration
+    >>> servo = Calibration.load("strawberry").servo[0]
+    >>> len(servo.pulses_us) == len(servo.angles_deg)
+    True
+    """
 
     name: _Name
     """The joint's."""
@@ -196,7 +242,15 @@ class ServoCalibration(_Table):
 
     @cached_property
     def line(self) -> tuple[float, float]:
-        """Pulse at zero, us, and us a degree: the straight line of least squares."""
+        """Pulse at zero, us, and us a degree: the straight line of least squares.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Calibration
+        >>> middle, slope = Calibration.load("strawberry").servo[0].line
+        >>> 400 < middle < 2600, slope != 0
+        (True, True)
+        """
         angles, pulses = np.array(self.angles_deg), np.array(self.pulses_us)
         slope = float(np.polyfit(angles, pulses, 1)[0])
         return float(pulses.mean() - slope * angles.mean()), slope
@@ -225,12 +279,28 @@ class ServoCalibration(_Table):
         return self
 
     def ticks(self, angle: float) -> int:
-        """Return the pulse for an angle (rad) in the board's half microseconds."""
+        """Return the pulse for an angle (rad) in the board's half microseconds.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Calibration
+        >>> servo = Calibration.load("strawberry").servo[0]
+        >>> isinstance(servo.ticks(0.2), int)
+        True
+        """
         zero, slope = self.line
         return round(TICKS_PER_US * (zero + slope * math.degrees(angle)))
 
     def angle(self, ticks: int) -> float:
-        """Return the angle (rad) of a pulse in half microseconds."""
+        """Return the angle (rad) of a pulse in half microseconds.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Calibration
+        >>> servo = Calibration.load("strawberry").servo[0]
+        >>> abs(servo.angle(servo.ticks(0.2)) - 0.2) < 0.002
+        True
+        """
         zero, slope = self.line
         return math.radians((ticks / TICKS_PER_US - zero) / slope)
 
@@ -248,7 +318,15 @@ class ServoCalibration(_Table):
 
 
 class GripperCalibration(_Table):
-    """The gripper's servo: two pulses."""
+    """The gripper's servo: two pulses.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import Calibration
+    >>> gripper = Calibration.load("strawberry").gripper
+    >>> gripper.open_us != gripper.closed_us
+    True
+    """
 
     index: Annotated[int, Field(ge=0, le=3)]
     """Its output of the board."""
@@ -319,6 +397,13 @@ class Calibration(BaseModel):
         ------
         CalibrationError
             With every fault of the file and its place; also if it is about another rig.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Calibration
+        >>> calibration = Calibration.load("strawberry")
+        >>> [axis.name for axis in calibration.axis]
+        ['s10', 's21', 's32']
         """
         if not isinstance(source, str | Path):
             raise ArgumentError("calibration", shown(source), "a file or the name of a bundled one")
@@ -336,7 +421,17 @@ class Calibration(BaseModel):
 
     @classmethod
     def parse(cls, data: bytes, name: str) -> Self:
-        """Check the content of a file; `name` is used in messages only."""
+        """Check the content of a file; `name` is used in messages only.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Calibration, CalibrationError
+        >>> try:
+        ...     Calibration.parse(b"rig = 1", "mine.toml")
+        ... except CalibrationError as error:
+        ...     print(error.file)
+        mine.toml
+        """
 
         def refuse(reason: str) -> CalibrationError:
             return CalibrationError(name, [("", reason)])

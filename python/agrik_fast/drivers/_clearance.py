@@ -44,6 +44,13 @@ class Surroundings:
     ------
     ArgumentError
         A number is out of its range.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import Surroundings
+    >>> around = Surroundings(plant_radius=0.12)
+    >>> around.bed_top
+    -0.495
     """
 
     plant_centre: tuple[float, float, float] = (0.5, 0.3675, -0.395)
@@ -113,6 +120,14 @@ class Surroundings:
         ------
         ClearanceError
             Names the pair, the step and the depth.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Surroundings
+        >>> from agrik_fast.arms import StrawberryArm
+        >>> arm = StrawberryArm()
+        >>> way = [arm.solve([0.426, 0.345, z]).q for z in (-0.25, -0.3316)]
+        >>> Surroundings().check_way(arm, way, ["above", "down"], [False, True])
         """
         for name, soft, start, end in zip(names, gentle, postures, postures[1:], strict=False):
             found = self._touch(arm, start, end, soft)

@@ -21,7 +21,14 @@ __all__ = [
 
 
 class RigError(AgrikError):
-    """Base class of the errors of drivers."""
+    """Base class of the errors of drivers.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import LinkError, RigError
+    >>> issubclass(LinkError, RigError)
+    True
+    """
 
 
 class LinkError(RigError):
@@ -38,6 +45,15 @@ class LinkError(RigError):
     ----------
     port, reason
         The parameters.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import LinkError, StrawberryRig
+    >>> try:
+    ...     StrawberryRig("/dev/no_such_port").connect()
+    ... except LinkError as error:
+    ...     print(error.port)
+    /dev/no_such_port
     """
 
     port: str
@@ -53,11 +69,28 @@ class LinkError(RigError):
 
 
 class WrongDeviceError(LinkError):
-    """Something answers that is not the rig: other device, protocol version or board."""
+    """Something answers that is not the rig: other device, protocol version or board.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import Simulator, StrawberryRig, WrongDeviceError
+    >>> try:
+    ...     StrawberryRig(Simulator("tomato")).connect()
+    ... except WrongDeviceError as error:
+    ...     print(error.port)
+    simulated
+    """
 
 
 class SimulatorError(RigError):
-    """The simulated rig cannot be started, or ended."""
+    """The simulated rig cannot be started, or ended.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import RigError, SimulatorError
+    >>> issubclass(SimulatorError, RigError)
+    True
+    """
 
 
 class CommandRefusedError(RigError):
@@ -74,6 +107,13 @@ class CommandRefusedError(RigError):
     ----------
     command, code
         The parameters.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import CommandRefusedError
+    >>> error = CommandRefusedError("move", "not_homed")
+    >>> error.command, error.code
+    ('move', 'not_homed')
     """
 
     command: str
@@ -102,6 +142,13 @@ class RigFaultError(RigError):
     ----------
     fault, axis
         The parameters.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import RigFaultError
+    >>> error = RigFaultError("stall", "s10")
+    >>> error.fault, error.axis
+    ('stall', 's10')
     """
 
     fault: str
@@ -134,6 +181,13 @@ class ClearanceError(RigError, ValueError):
     ----------
     part, obstacle, step, depth
         The parameters.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import ClearanceError
+    >>> error = ClearanceError("gripper", "bed", "z down", 0.004)
+    >>> error.part, error.obstacle
+    ('gripper', 'bed')
     """
 
     part: str
@@ -168,6 +222,15 @@ class OutOfReachError(RigError, ValueError):
     ----------
     target, reason
         The parameters.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import OutOfReachError, StrawberryRig
+    >>> try:
+    ...     StrawberryRig("loop://").solve([0.426, 2.0, -0.33])
+    ... except OutOfReachError as error:
+    ...     print(error.target)
+    (0.426, 2.0, -0.33)
     """
 
     target: tuple[float, ...]
@@ -199,6 +262,15 @@ class CalibrationError(RigError, ValueError):
         Name of the file.
     faults : tuple of Fault
         The faults.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import Calibration, CalibrationError
+    >>> try:
+    ...     Calibration.parse(b"rig = 1", "mine.toml")
+    ... except CalibrationError as error:
+    ...     print(len(error.faults) >= 1)
+    True
     """
 
     file: str

@@ -48,6 +48,15 @@ class LinkStatistics:
         Damaged frames from the board.
     slowest, total : float, s
         Longest and added times from request to answer.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import Link, Simulator
+    >>> link = Link(Simulator("strawberry"))
+    >>> _ = link.hello()
+    >>> link.statistics.answered >= 1
+    True
+    >>> link.close()
     """
 
     requests: int = 0
@@ -152,6 +161,16 @@ class Link:
             No answer after all tries, or the line broke.
         ArgumentError
             The payload is too long, or no bytes.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Link, Simulator
+        >>> from agrik_fast.drivers._messages import Type
+        >>> link = Link(Simulator("strawberry"))
+        >>> _ = link.hello()
+        >>> link.request(Type.PING, b"abc")
+        b'abc'
+        >>> link.close()
         """
         given: tuple[object, object] = kind, payload
         if not isinstance(given[0], Type) or kind not in REPLIES:
@@ -215,6 +234,14 @@ class Link:
         ------
         LinkError
             No answer, or another echo.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Link, Simulator
+        >>> link = Link(Simulator("strawberry"))
+        >>> _ = link.hello()
+        >>> link.ping(b"hello")
+        >>> link.close()
         """
         if self.request(Type.PING, payload) != payload:
             raise LinkError(self.name, "the echo of PING is another one")
@@ -240,6 +267,14 @@ class Link:
             Another device, another version of the protocol or another board.
         LinkError
             Nobody answers.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Link, Simulator
+        >>> link = Link(Simulator("strawberry"))
+        >>> link.hello().board
+        1
+        >>> link.close()
         """
         if board is not None and not isinstance(board, Board):
             raise ArgumentError("board", shown(board), "a Board or None")
@@ -289,7 +324,17 @@ class Link:
         )
 
     def report(self) -> Report:
-        """Ask for the board's state."""
+        """Ask for the board's state.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Link, Simulator
+        >>> link = Link(Simulator("strawberry"))
+        >>> _ = link.hello()
+        >>> link.report().state
+        0
+        >>> link.close()
+        """
         return self._read(Type.STATUS, Report, self.request(Type.STATUS))
 
     def command(self, kind: Type, payload: bytes = b"", what: str = "") -> None:
@@ -301,6 +346,15 @@ class Link:
             The board refuses.
         LinkError
             No answer.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Link, Simulator
+        >>> from agrik_fast.drivers._messages import Type
+        >>> link = Link(Simulator("strawberry"))
+        >>> _ = link.hello()
+        >>> link.command(Type.STOP)
+        >>> link.close()
         """
         what = text("what", what)
         ack = self._read(kind, Ack, self.request(kind, payload))
@@ -310,7 +364,14 @@ class Link:
             raise CommandRefusedError(what or kind.name, name)
 
     def close(self) -> None:
-        """Give the port and the log up."""
+        """Give the port and the log up.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Link
+        >>> link = Link("loop://", tries=1)
+        >>> link.close()
+        """
         self.transport.close()
         if self._logger:
             for handler in list(self._logger.handlers):

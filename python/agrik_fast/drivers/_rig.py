@@ -54,6 +54,14 @@ class RigStatus:
         The board's time since it started.
     link : LinkStatistics
         What the link has seen.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import Simulator, TomatoRig
+    >>> with TomatoRig(Simulator("tomato")) as rig:
+    ...     status = rig.status()
+    >>> status.state, status.fault
+    ('idle', 'none')
     """
 
     state: str
@@ -140,6 +148,14 @@ class Rig(abc.ABC):
         ------
         LinkError, WrongDeviceError
             No port, nobody there, or somebody else.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, StrawberryRig
+        >>> rig = StrawberryRig(Simulator("strawberry"))
+        >>> rig.connect().board
+        1
+        >>> rig.close()
         """
         if self._link is not None:
             raise RigError(f"the {self.name} rig is connected already")
@@ -161,7 +177,14 @@ class Rig(abc.ABC):
         """Tell the board what it has to know."""
 
     def close(self) -> None:
-        """Stop what moves and give the port up."""
+        """Stop what moves and give the port up.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, StrawberryRig
+        >>> rig = StrawberryRig(Simulator("strawberry"))
+        >>> rig.close()
+        """
         if self._link is None:
             return
         self._stop_quietly()
@@ -189,6 +212,14 @@ class Rig(abc.ABC):
         ------
         LinkError
             No answer: the board stops by itself half a second later.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, StrawberryRig
+        >>> with StrawberryRig(Simulator("strawberry")) as rig:
+        ...     rig.stop()
+        ...     print(rig.status().moving)
+        False
         """
         self._stopped.set()
         self.link.command(Type.STOP)
@@ -205,13 +236,33 @@ class Rig(abc.ABC):
         ------
         CommandRefusedError
             The emergency stop is still pressed.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, StrawberryRig
+        >>> simulator = Simulator("strawberry")
+        >>> with StrawberryRig(simulator) as rig:
+        ...     simulator.set("estop", 1)
+        ...     simulator.run(0.1)
+        ...     simulator.set("estop", 0)
+        ...     rig.clear()
+        ...     print(rig.status().fault)
+        none
         """
         self.link.command(Type.CLEAR, what="to clear the fault")
 
     # ---- where it is -------------------------------------------------------------------------
 
     def status(self) -> RigStatus:
-        """Ask the board where everything is."""
+        """Ask the board where everything is.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, StrawberryRig
+        >>> with StrawberryRig(Simulator("strawberry")) as rig:
+        ...     print(rig.status().state)
+        not_homed
+        """
         return self._status(self.link.report())
 
     def _status(self, report: Report) -> RigStatus:

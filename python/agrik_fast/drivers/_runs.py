@@ -23,6 +23,13 @@ class Arrival:
         By the clock of the line.
     encoder_error : float, m
         Encoder less command when the slide stood; 0 for servos, which have none.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import Arrival
+    >>> arrival = Arrival("s10", target=0.2, begin=1.0, end=2.5)
+    >>> arrival.end - arrival.begin
+    1.5
     """
 
     axis: str
@@ -46,6 +53,12 @@ class Run:
         How far above its end the arm waited.
     steps : tuple of Arrival
         The steps.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import Arrival, Run
+    >>> Run(np.zeros(6), 4.4, 0.03, (Arrival("gripper", 1.0, 0.0, 0.3),)).steps[0].axis
+    'gripper'
     """
 
     q: FloatArray

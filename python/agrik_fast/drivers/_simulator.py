@@ -95,7 +95,12 @@ class Simulator:
 
     Examples
     --------
-    ``Simulator("strawberry")`` goes where a port's name would: ``StrawberryRig(simulator)``.
+    It goes where a port's name would.
+
+    >>> from agrik_fast.drivers import Simulator, StrawberryRig
+    >>> with StrawberryRig(Simulator("strawberry")) as rig:
+    ...     print(rig.status().state)
+    not_homed
     """
 
     def __init__(
@@ -189,19 +194,46 @@ class Simulator:
             raise SimulatorError(f"totals differ: {given} and {self._given} bytes from the board")
 
     def set(self, name: str, value: float) -> None:
-        """Set a number of the plant: ``slide0.jammed``, ``servo2.noise``, ``cable``, ``estop``."""
+        """Set a number of the plant: ``slide0.jammed``, ``servo2.noise``, ``cable``, ``estop``.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator
+        >>> with Simulator("strawberry") as simulator:
+        ...     simulator.set("slide0.jammed", 1)
+        """
         name = text("name", name)
         if not name or any(letter.isspace() or letter == "\0" for letter in name):
             raise ArgumentError("name", shown(name), "the name of a number of the plant")
         self._ask(f"set {name} {real_number('value', float(value))!r}")
 
     def state(self) -> dict[str, float]:
-        """Return where everything is: ``carriage0`` (mm), ``count0``, ``angle0`` (degrees), ..."""
+        """Return where everything is: ``carriage0`` (mm), ``count0``, ``angle0`` (degrees), ...
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator
+        >>> with Simulator("strawberry") as simulator:
+        ...     print("carriage0" in simulator.state())
+        True
+        """
         pairs = (word.split("=") for word in self._ask("state").split())
         return {name: float(value) for name, value in pairs}
 
     def trace(self, file: Path | None, every: float = 0.01) -> None:
-        """Write a row of counts, carriages and servos to a CSV file every so many seconds."""
+        """Write a row of counts, carriages and servos to a CSV file every so many seconds.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator
+        >>> from pathlib import Path
+        >>> with Simulator("strawberry") as simulator:
+        ...     simulator.trace(Path("trace.csv"), every=0.05)
+        ...     simulator.run(0.2)
+        ...     simulator.trace(None)
+        >>> Path("trace.csv").exists()
+        True
+        """
         every = real_number("every", every, 1e-5, 3600, unit="s")
         self._ask(f"trace {'-' if file is None else file.resolve()} {1e6 * every!r}")
 
@@ -210,7 +242,17 @@ class Simulator:
         self._ask(f"run {cycles} {int(stop)} {data.hex()}".rstrip())
 
     def run(self, seconds: float) -> None:
-        """Let time pass."""
+        """Let time pass.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator
+        >>> with Simulator("tomato") as simulator:
+        ...     before = simulator.now()
+        ...     simulator.run(0.5)
+        ...     print(round(simulator.now() - before, 3))
+        0.5
+        """
         with self._lock:
             end = self._cycle + int(seconds * FREQUENCY)
             while self._cycle < end:
@@ -219,7 +261,14 @@ class Simulator:
     # ---- transport ---------------------------------------------------------------------------
 
     def write(self, data: bytes) -> None:
-        """Put bytes on the line."""
+        """Put bytes on the line.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator
+        >>> with Simulator("tomato") as simulator:
+        ...     simulator.write(bytes(1))
+        """
         with self._lock:
             try:
                 self._run(0, stop=False, data=data)
@@ -227,7 +276,15 @@ class Simulator:
                 raise LinkError(self.name, f"the line broke: {error}") from None
 
     def read(self, timeout: float) -> bytes:
-        """Return what has come, letting up to `timeout` seconds pass."""
+        """Return what has come, letting up to `timeout` seconds pass.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator
+        >>> with Simulator("tomato") as simulator:
+        ...     print(type(simulator.read(timeout=0.01)).__name__)
+        bytes
+        """
         with self._lock:
             if not self._arrived:
                 try:
@@ -239,15 +296,41 @@ class Simulator:
         return data
 
     def now(self) -> float:
-        """Return the simulated time, s."""
+        """Return the simulated time, s.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator
+        >>> with Simulator("tomato") as simulator:
+        ...     simulator.run(0.25)
+        ...     print(simulator.now() > 0.25)
+        True
+        """
         return self._cycle / FREQUENCY
 
     def sleep(self, seconds: float) -> None:
-        """Let time pass."""
+        """Let time pass.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator
+        >>> with Simulator("tomato") as simulator:
+        ...     before = simulator.now()
+        ...     simulator.sleep(0.5)
+        ...     print(round(simulator.now() - before, 3))
+        0.5
+        """
         self.run(seconds)
 
     def close(self) -> None:
-        """End the simulator."""
+        """End the simulator.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator
+        >>> simulator = Simulator("tomato")
+        >>> simulator.close()
+        """
         self._end()
 
     def __enter__(self) -> Self:

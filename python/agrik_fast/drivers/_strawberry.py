@@ -61,12 +61,14 @@ class StrawberryRig(Rig):
 
     Examples
     --------
-    With the simulator built (``make firmware``)::
+    In the simulator (``make firmware``); a port's name would do the same on a real line.
 
-        with StrawberryRig() as rig:
-            rig.home()
-            rig.pick(target=[0.426, 0.345, -0.3316])
-            rig.reset()
+    >>> from agrik_fast.drivers import Simulator, StrawberryRig
+    >>> with StrawberryRig(Simulator("strawberry")) as rig:
+    ...     rig.home()
+    ...     run = rig.pick(target=[0.426, 0.345, -0.3316])
+    >>> run.steps[-1].axis
+    'gripper'
     """
 
     name = "strawberry"
@@ -149,6 +151,12 @@ class StrawberryRig(Rig):
             The message says which slide lacks how much.
         ArgumentError
             It is no point.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import StrawberryRig
+        >>> StrawberryRig("loop://").solve([0.426, 0.345, -0.3316]).shape
+        (5,)
         """
         point = finite("target", target, (3,), "m")
         word("method", method, METHODS)
@@ -178,6 +186,14 @@ class StrawberryRig(Rig):
         ------
         RigFaultError
             A switch is not found or stuck, an axis is jammed, ...
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, StrawberryRig
+        >>> with StrawberryRig(Simulator("strawberry")) as rig:
+        ...     rig.home()
+        ...     print(rig.status().homed)
+        True
         """
         with self._moving():
             self._home(0b100)
@@ -237,7 +253,16 @@ class StrawberryRig(Rig):
         return [Arrival(name, angle, begin, clock.now()) for name, angle in angles.items()]
 
     def gripper(self, open: bool) -> Arrival:
-        """Open or close the gripper and wait until that is done."""
+        """Open or close the gripper and wait until that is done.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, StrawberryRig
+        >>> with StrawberryRig(Simulator("strawberry")) as rig:
+        ...     rig.home()
+        ...     print(rig.gripper(open=True).target)
+        1.0
+        """
         open = truth_value("open", open)  # noqa: A001
         gripper = self.calibration.gripper
         assert gripper is not None
@@ -281,6 +306,15 @@ class StrawberryRig(Rig):
             Plant or bed are in the way: nothing moves.
         RigFaultError
             The board stopped.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, StrawberryRig
+        >>> with StrawberryRig(Simulator("strawberry")) as rig:
+        ...     rig.home()
+        ...     arrivals = rig.move([0.12, 0.12, 0.1, 0.1, 0.0])
+        >>> sorted({arrival.axis for arrival in arrivals})
+        ['beta', 'psi', 's10', 's21', 's32', 'theta']
         """
         values = self._goal(q, target, method)
         with self._moving():
@@ -311,6 +345,15 @@ class StrawberryRig(Rig):
         ------
         ArgumentError, ClearanceError
             A point is beyond the limits, or something is in the way: nothing moves.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, StrawberryRig
+        >>> with StrawberryRig(Simulator("strawberry")) as rig:
+        ...     rig.home()
+        ...     arrivals = rig.follow([[0.10, 0.1, 0.1, 0.0, 0.0], [0.12, 0.1, 0.1, 0.1, 0.0]])
+        >>> len(arrivals) >= 2
+        True
         """
         given = float_array("path", path)
         if given.ndim != 2 or given.shape[1] not in (5, 6) or not len(given):
@@ -364,6 +407,15 @@ class StrawberryRig(Rig):
             The way out or the way back would touch plant or bed: nothing moves.
         RigFaultError
             The board stopped.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, StrawberryRig
+        >>> with StrawberryRig(Simulator("strawberry")) as rig:
+        ...     rig.home()
+        ...     run = rig.pick(target=[0.426, 0.345, -0.3316])
+        >>> len(run.steps)
+        9
         """
         values = self._goal(q, target, method)
         values[5] = real_number("psi", psi, unit="rad")
@@ -389,6 +441,13 @@ class StrawberryRig(Rig):
             Where the arm is.
         h_extra : float, default 0.03, m
             How far it is lifted first; no further than home.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import StrawberryRig
+        >>> rig = StrawberryRig("loop://")
+        >>> [step.axis for step in rig.way_back(rig.solve([0.426, 0.345, -0.3316]))]
+        ['s32', 'psi', 'beta', 'theta', 's21', 's10', 's32']
         """
         h_extra = real_number("h_extra", h_extra, 0, unit="m")
         return self._ways.back(self._roughly("q", q), h_extra)
@@ -405,6 +464,15 @@ class StrawberryRig(Rig):
         ------
         ClearanceError
             The way would touch plant or bed: nothing moves.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, StrawberryRig
+        >>> with StrawberryRig(Simulator("strawberry")) as rig:
+        ...     rig.home()
+        ...     _ = rig.pick(target=[0.426, 0.345, -0.3316])
+        ...     print(rig.reset().steps[0].axis)
+        s32
         """
         given = None if h_extra is None else real_number("h_extra", h_extra, 0, unit="m")
         with self._moving():
@@ -438,6 +506,13 @@ class StrawberryRig(Rig):
         ------
         ClearanceError
             Names the pair that would touch, and the step.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import StrawberryRig
+        >>> rig = StrawberryRig("loop://")
+        >>> q = rig.solve([0.426, 0.345, -0.3316])
+        >>> rig.check_ways([0.1, 0.1, 0.1, 0.0, 0.0], q, h_extra=0.03)
         """
         start, end = self._roughly("here", here), self._checked("q", q)
         self._ways.check(start, end, real_number("h_extra", h_extra, 0, unit="m"))

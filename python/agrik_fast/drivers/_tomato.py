@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, float_array, real_number, truth_value
+from .._checks import FloatArray, float_array, real_number, shown, truth_value
 from ..arms import Outcome, TomatoArm
 from ..errors import ArgumentError
 from ._calibration import Calibration
@@ -22,6 +23,10 @@ _JOINTS = ("phi1", "phi2", "phi3")
 # The board's slowest ramp over a servo's whole range, and more.
 _LONGEST_S = 10.0
 _SERVOS_MOVING = 0x80
+
+
+class _Arrested(RigError):
+    """The sensor at the tip says that the surface is near."""
 
 
 class TomatoRig(Rig):
@@ -40,6 +45,11 @@ class TomatoRig(Rig):
         Of the `Link`.
     progress : callable, optional
         Told where the rig is while it moves.
+    contact : callable, optional
+        A sensor at the tip: returns the distance to what is before it (m), or True for a touch
+        and False for none. It is asked whenever the rig is looked at.
+    stop_at : float, default 0.01, m
+        A motion ends where the sensor says this or less.
 
     Raises
     ------
@@ -50,11 +60,13 @@ class TomatoRig(Rig):
 
     Examples
     --------
-    With the simulator built (``make firmware``)::
+    In the simulator (``make firmware``); a port's name would do the same on a real line.
 
-        with TomatoRig() as rig:
-            rig.home()
-            rig.move(target=[0.2, 0.05, 0.1])
+    >>> from agrik_fast.drivers import Simulator, TomatoRig
+    >>> with TomatoRig(Simulator("tomato")) as rig:
+    ...     rig.home()
+    ...     print(rig.move(target=[0.2, 0.05, 0.1]).state)
+    idle
     """
 
     name = "tomato"
@@ -70,6 +82,8 @@ class TomatoRig(Rig):
         tries: int = 5,
         log: Path | str | None = None,
         progress: Progress | None = None,
+        contact: Callable[[], float | bool] | None = None,
+        stop_at: float = 0.01,
     ) -> None:
         super().__init__(
             port,
@@ -80,7 +94,14 @@ class TomatoRig(Rig):
             progress=progress,
         )
         self.arm = TomatoArm()
+        if contact is not None and not callable(contact):
+            raise ArgumentError("contact", shown(contact), "a callable or None")
+        self._contact = contact
+        self._stop_at = real_number("stop_at", stop_at, 0, unit="m")
+        self.arrested = False
+        """Whether the sensor at the tip ended the last motion."""
         self._commanded: FloatArray | None = None
+        self._horns: FloatArray | None = None
 
     @property
     def lower(self) -> FloatArray:
@@ -109,6 +130,12 @@ class TomatoRig(Rig):
             Too far, too near, or no branch is within the servos' limits.
         ArgumentError
             It is no point.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import TomatoRig
+        >>> TomatoRig("loop://").solve([0.2, 0.05, 0.1]).shape
+        (3,)
         """
         from ..arms import HOME
 
@@ -120,10 +147,17 @@ class TomatoRig(Rig):
             raise OutOfReachError(point, why)
         return np.asarray(found.q)
 
-    def _send(self, values: FloatArray, *, near: bool) -> None:
+    def _send(self, values: FloatArray, *, near: bool, dead_band_us: float = 0.0) -> None:
         ticks = [
             servo.ticks(angle) for servo, angle in zip(self.calibration.servo, values, strict=True)
         ]
+        if dead_band_us and self._horns is not None:
+            for i, (servo, horn) in enumerate(
+                zip(self.calibration.servo, self._horns, strict=True)
+            ):
+                beyond = np.sign(ticks[i] - 2 * horn) * 2 * dead_band_us
+                limits = 2 * servo.lower_us, 2 * servo.upper_us
+                ticks[i] = round(float(np.clip(ticks[i] + beyond, *limits)))
         flags = Flags.ENABLE | (Flags.NEAR if near else 0)
         degrees = ", ".join(f"{angle:.1f}" for angle in np.degrees(values))
         self._command(Type.SERVOS, Servos(flags, *ticks).pack(), f"a move to ({degrees}) degrees")
@@ -133,6 +167,14 @@ class TomatoRig(Rig):
         """Move to the pose that the arm starts from.
 
         The first pulse after power comes without a ramp: the board cannot know where a servo is.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     print(rig.status().homed)
+        True
         """
         from ..arms import HOME
 
@@ -167,6 +209,15 @@ class TomatoRig(Rig):
             Beyond the limits, or out of reach.
         RigFaultError
             The board stopped.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     status = rig.move(target=[0.2, 0.05, 0.1])
+        >>> status.moving
+        False
         """
         if (q is None) == (target is None):
             raise ArgumentError("q, target", "both" if q is not None else "neither", "one of them")
@@ -175,13 +226,107 @@ class TomatoRig(Rig):
         with self._moving():
             self._watch()
             fresh = self._commanded is None
+            self.arrested = False
             self._send(values, near=near)
-            report = self._wait(_SERVOS_MOVING, _LONGEST_S, "a move")
+            try:
+                report = self._wait(_SERVOS_MOVING, _LONGEST_S, "a move")
+            except _Arrested:
+                self.arrested = True
+                self._commanded = None
+                return self._status(self.link.report())
             # The servos run behind their pulses; after power, by up to their whole range.
             servos = self.calibration.servo
             far = max(servo.limits[1] - servo.limits[0] for servo in servos) if fresh else 0.0
             self._pause(far / min(servo.rate for servo in servos) + 0.1)
             return self._status(report)
+
+    def aim(self, q: ArrayLike, *, near: bool = False, dead_band_us: float = 0.0) -> None:
+        """Send joint values and do not wait: for loops that send anew before the arm arrives.
+
+        Parameters
+        ----------
+        q : array_like, shape (3,), rad
+            Joint values.
+        near : bool, default False
+            As for `move`.
+        dead_band_us : float, default 0.0, us
+            Half the servos' dead band. A servo stops that far before its pulse, on the side that it
+            comes from: pulses then go beyond the target by as much, and the horn ends on it.
+
+        Raises
+        ------
+        ArgumentError
+            Beyond the limits.
+        RigError
+            The board refuses, or does not answer.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     rig.aim(rig.status().q + 0.05)
+        ...     print(rig.status().moving)
+        True
+        """
+        values = self._checked("q", q)
+        band = real_number("dead_band_us", dead_band_us, 0, 50, unit="us")
+        near = truth_value("near", near)
+        with self._moving():
+            self._send(values, near=near, dead_band_us=band)
+
+    def watch(self, *, dead_band_us: float = 0.0) -> RigStatus:
+        """Look at the board once; where horns are is kept for `aim`.
+
+        Raises
+        ------
+        RigFaultError
+            The board stopped.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     print(rig.watch().state)
+        idle
+        """
+        report = self._watch_quietly()
+        pulses = np.array([report.servo[each.index] / 2 for each in self.calibration.servo])
+        if self._horns is None or not pulses.all():
+            self._horns = pulses if pulses.all() else None
+        else:
+            # A horn is drawn along by its dead band.
+            self._horns = np.clip(self._horns, pulses - dead_band_us, pulses + dead_band_us)
+        return self._status(report)
+
+    def _watch_quietly(self) -> Report:
+        """Look at the board; the sensor at the tip ends nothing here, its caller decides."""
+        return super()._watch()
+
+    def touching(self) -> bool:
+        """Whether the sensor at the tip says that the surface is as near as `stop_at`.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     print(rig.touching())
+        False
+        """
+        if self._contact is None:
+            return False
+        said = self._contact()
+        if isinstance(said, bool | np.bool_):
+            return bool(said)
+        return not real_number("contact", said, 0, unit="m") > self._stop_at
+
+    def _watch(self) -> Report:
+        report = self._watch_quietly()
+        if self.touching():
+            raise _Arrested("the sensor at the tip ended the motion")
+        return report
 
     def follow(self, path: ArrayLike, *, rate: float = 30.0, near: bool = False) -> RigStatus:
         """Send joint values at a rate, without waiting at each; then wait for the last.
@@ -199,6 +344,16 @@ class TomatoRig(Rig):
         ------
         ArgumentError
             A point is beyond the limits: nothing moves.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     q = rig.status().q
+        ...     status = rig.follow([q + 0.01 * k for k in range(5)])
+        >>> status.q.shape
+        (3,)
         """
         given = float_array("path", path)
         if given.ndim != 2 or given.shape[1] != 3 or not len(given):
@@ -222,14 +377,31 @@ class TomatoRig(Rig):
         ------
         RigError
             Always.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import RigError, TomatoRig
+        >>> try:
+        ...     TomatoRig("loop://").gripper(open=True)
+        ... except RigError as error:
+        ...     print(type(error).__name__)
+        RigError
         """
         raise RigError("the tomato rig has no gripper")
 
     def release(self) -> None:
-        """End the pulses: the servos let go."""
+        """End the pulses: the servos let go.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     rig.release()
+        """
         with self._moving():
             self.link.command(Type.SERVOS, Servos(0, 0, 0, 0).pack(), "to end the pulses")
-            self._commanded = None
+            self._commanded = self._horns = None
 
     def _q(self, report: Report) -> FloatArray:
         q = np.full(3, np.nan)

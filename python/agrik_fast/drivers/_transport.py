@@ -44,6 +44,12 @@ class SerialTransport:
     ------
     LinkError
         There is no such port, or it cannot be opened.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import SerialTransport
+    >>> port = SerialTransport("loop://")
+    >>> port.close()
     """
 
     def __init__(self, url: str) -> None:
@@ -61,14 +67,32 @@ class SerialTransport:
             raise LinkError(url, f"cannot be opened: {_brief(error)}") from None
 
     def write(self, data: bytes) -> None:
-        """Send bytes."""
+        """Send bytes.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import SerialTransport
+        >>> port = SerialTransport("loop://")
+        >>> port.write(b"echo")
+        >>> port.close()
+        """
         try:
             self._port.write(data)
         except self._failures as error:
             raise LinkError(self.name, f"the line broke: {_brief(error)}") from None
 
     def read(self, timeout: float) -> bytes:
-        """Return what has come, waiting up to `timeout` seconds for the first byte."""
+        """Return what has come, waiting up to `timeout` seconds for the first byte.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import SerialTransport
+        >>> port = SerialTransport("loop://")
+        >>> port.write(b"echo")
+        >>> port.read(timeout=0.5)
+        b'echo'
+        >>> port.close()
+        """
         try:
             self._port.timeout = timeout
             data: bytes = self._port.read(1)
@@ -80,15 +104,39 @@ class SerialTransport:
         return data
 
     def now(self) -> float:
-        """Return the time, s."""
+        """Return the time, s.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import SerialTransport
+        >>> port = SerialTransport("loop://")
+        >>> port.now() > 0
+        True
+        >>> port.close()
+        """
         return time.monotonic()
 
     def sleep(self, seconds: float) -> None:
-        """Let time pass."""
+        """Let time pass.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import SerialTransport
+        >>> port = SerialTransport("loop://")
+        >>> port.sleep(0.001)
+        >>> port.close()
+        """
         time.sleep(seconds)
 
     def close(self) -> None:
-        """Give the line up."""
+        """Give the line up.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import SerialTransport
+        >>> port = SerialTransport("loop://")
+        >>> port.close()
+        """
         # pyserial leaves a socket open whose other end has gone.
         connection = getattr(self._port, "_socket", None)
         self._port.close()

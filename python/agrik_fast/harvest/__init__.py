@@ -1,5 +1,7 @@
 """Harvest postures: whether an arm can pick a fruit among leaves, and how."""
 
+from ._crops import CropsJob
+from ._cutter import Cut, Cutter, cuts, with_cutter
 from ._decisions import Attempt, Decision, Decisions, Stage, Status
 from ._evaluate import Evaluation, evaluate
 from ._plan import Blockers, blockers, plan
@@ -13,6 +15,9 @@ __all__ = [
     "SCENES",
     "Attempt",
     "Blockers",
+    "CropsJob",
+    "Cut",
+    "Cutter",
     "Decision",
     "Decisions",
     "Distance",
@@ -28,11 +33,13 @@ __all__ = [
     "Terms",
     "Weights",
     "blockers",
+    "cuts",
     "evaluate",
     "example_scene",
     "plan",
     "sensitivity",
     "simulate",
     "summary",
+    "with_cutter",
     "write_report",
 ]

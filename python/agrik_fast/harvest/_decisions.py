@@ -21,7 +21,14 @@ GAP = 0.010
 
 
 class Status(IntEnum):
-    """What became of a target."""
+    """What became of a target.
+
+    Examples
+    --------
+    >>> found = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1", "C3"])
+    >>> [ik.harvest.Status(code).name for code in found.status]
+    ['OK', 'APPROACH_BLOCKED']
+    """
 
     OK = 0
     """There is a posture, free of collisions and within the limits."""
@@ -40,7 +47,14 @@ class Status(IntEnum):
 
 
 class Stage(IntEnum):
-    """Which part of the method found a posture, in the order in which they are tried."""
+    """Which part of the method found a posture, in the order in which they are tried.
+
+    Examples
+    --------
+    >>> found = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1"])
+    >>> ik.harvest.Stage(found.stage[0]).name
+    'FIRST'
+    """
 
     FIRST = 0
     """The best approach angle."""
@@ -68,6 +82,12 @@ class Attempt:
         Part of the method that made it.
     reached, within, admissible : int
         Postures: without regard to limits, within them, and free as well.
+
+    Examples
+    --------
+    >>> one = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1"])["C1"]
+    >>> one.attempts[0].admissible > 0
+    True
     """
 
     psi: float
@@ -114,6 +134,12 @@ class Decision:
     singular : int
         Places of the slide that were skipped, as the shoulder is singular there.
     attempts : tuple of Attempt
+
+    Examples
+    --------
+    >>> one = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1"])["C1"]
+    >>> one.status.name, one.stage.name, one.q.shape
+    ('OK', 'FIRST', (7,))
     """
 
     name: str
@@ -162,6 +188,12 @@ class Decisions:
         Codes of `Stage`.
     refined, straight : ndarray of bool, shape (n,)
         A pattern search made it better; the wrist is nearly straight.
+
+    Examples
+    --------
+    >>> found = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1", "C3"])
+    >>> found.names, found.q.shape, found["C1"].name
+    (('C1', 'C3'), (2, 7), 'C1')
     """
 
     names: tuple[str, ...]
@@ -249,7 +281,14 @@ class Decisions:
         return tuple(found)
 
     def shares(self) -> dict[str, float]:
-        """Return the share of the targets with each status that occurs, most frequent first."""
+        """Return the share of the targets with each status that occurs, most frequent first.
+
+        Examples
+        --------
+        >>> found = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1", "C3"])
+        >>> found.shares()
+        {'OK': 0.5, 'APPROACH_BLOCKED': 0.5}
+        """
         codes, counts = np.unique(self.status, return_counts=True)
         order = np.argsort(-counts, kind="stable")
         total = max(1, len(self))

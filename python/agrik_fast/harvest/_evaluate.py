@@ -15,6 +15,7 @@ from .._checks import FloatArray, float_array, shown, truth_value
 from ..collision import Scene
 from ..errors import ArgumentError
 from ..robot import Robot
+from ._cutter import Cut, Cutter, cut_distances
 from ._decisions import Decisions, Status
 from ._plan import Blockers, checked_settings, named
 from ._settings import Distance, Settings
@@ -45,8 +46,16 @@ class Evaluation:
         where it was not asked for.
     along : ndarray, shape (n,), m
         How far along the row the vehicle stood for each target.
+    cut : Cut
+        Whether the cut goes through the stalk, with the usual `Cutter`.
     seconds : float
         Time that the decisions and the blockers took, s.
+
+    Examples
+    --------
+    >>> found = ik.harvest.evaluate(ik.harvest.example_scene())
+    >>> len(found.decisions.names) == len(found.along)
+    True
     """
 
     robot: Robot
@@ -56,6 +65,7 @@ class Evaluation:
     decisions: Decisions
     blockers: dict[str, Blockers | None]
     along: FloatArray
+    cut: Cut
     seconds: float
 
     @property
@@ -71,6 +81,12 @@ class Evaluation:
         dict
             "ok"; "blocked" (`Status.APPROACH_BLOCKED` and `Status.NO_COLLISION_FREE`), "none"
             (out of reach or of the limits), and "other". They add up to 1.
+
+        Examples
+        --------
+        >>> found = ik.harvest.evaluate(ik.harvest.example_scene())
+        >>> round(sum(found.shares().values()), 12)
+        1.0
         """
         of = self.decisions.shares()
         ok = of.get("OK", 0.0)
@@ -85,6 +101,12 @@ class Evaluation:
         -------
         list of (str, int)
             Of the objects that smallest sets of blockers hold.
+
+        Examples
+        --------
+        >>> found = ik.harvest.evaluate(ik.harvest.example_scene())
+        >>> all(count >= 1 for _, count in found.leaves())
+        True
         """
         counts: Counter[str] = Counter()
         for found in self.blockers.values():
@@ -93,7 +115,14 @@ class Evaluation:
         return sorted(counts.items(), key=lambda item: (-item[1], item[0]))
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Return one record a target, lengths in mm and angles in degrees as in the paper."""
+        """Return one record a target, lengths in mm and angles in degrees as in the paper.
+
+        Examples
+        --------
+        >>> found = ik.harvest.evaluate(ik.harvest.example_scene())
+        >>> len(list(found.rows())) == len(found.decisions.names)
+        True
+        """
         points = {name: target.point for name, target in self.scene.targets.items()}
         for k, one in enumerate(self.decisions):
             x, y, z = (1e3 * value for value in points[one.name])
@@ -122,7 +151,10 @@ class Evaluation:
                     "tilt_deg": float(np.degrees(one.tilt)),
                     "shift_mm": 1e3 * one.shift,
                     "warnings": "; ".join(one.warnings),
+                    "cut_ok": bool(self.cut.ok[k]),
                 }
+                if np.isfinite(self.cut.distance[k]):
+                    record["cut_mm"] = 1e3 * float(self.cut.distance[k])
                 record |= {
                     name: float(value)
                     for name, value in zip(self.robot.joint_names, one.q, strict=True)
@@ -231,7 +263,9 @@ def evaluate(
             progress(min(first + RUN, len(order)), len(order))
     seconds = time.perf_counter() - start
     decisions = Decisions(chosen.names, _joined(parts, order))
-    return Evaluation(made.robot, crop, checked, distance, decisions, blocking, places[at], seconds)
+    along = places[at]
+    cut = cut_distances(made.robot, crop, decisions, along, Cutter())
+    return Evaluation(made.robot, crop, checked, distance, decisions, blocking, along, cut, seconds)
 
 
 def _places(stops: ArrayLike | None) -> FloatArray:

@@ -110,6 +110,12 @@ class Blockers:
         `Settings.enough`, and its score.
     psi, slide : float
         Its approach angle, rad, and place of the slide, m.
+
+    Examples
+    --------
+    >>> blocked = ik.harvest.blockers("cucumber", ik.harvest.example_scene(), ["C2"])["C2"]
+    >>> len(blocked.names) > 0, blocked.exact
+    (True, True)
     """
 
     names: tuple[str, ...]

@@ -40,6 +40,11 @@ class Weights:
     ------
     ArgumentError
         A number out of its range, or all weights zero.
+
+    Examples
+    --------
+    >>> ik.harvest.Weights(orientation=0.1).enough
+    0.075
     """
 
     position: float = 1.0
@@ -72,6 +77,14 @@ class Terms:
         Equation (6), 0 to 1.
     distance : ndarray, shape (...), m
         Distance from the crop; 0 where bodies touch each other or a static thing.
+
+    Examples
+    --------
+    >>> scene = ik.harvest.example_scene("cucumber_thin")
+    >>> programme = ik.harvest.Programme("cucumber", scene, "C1")
+    >>> terms = programme.terms(ik.Robot.load("cucumber").home)
+    >>> bool(terms.position > 0.1)
+    True
     """
 
     cost: FloatArray
@@ -95,6 +108,13 @@ class Terms:
         ndarray of bool, shape (...)
             With the usual weights keeping away from the crop may be cheaper than reaching the
             fruit, so a low cost alone says little.
+
+        Examples
+        --------
+        >>> scene = ik.harvest.example_scene("cucumber_thin")
+        >>> programme = ik.harvest.Programme("cucumber", scene, "C1")
+        >>> bool(programme.terms(ik.Robot.load("cucumber").home).accepted())
+        False
         """
         near = (self.position <= position) & (self.orientation <= orientation)
         return np.asarray(near & (self.distance > 0))
@@ -114,6 +134,14 @@ class Runs:
     generations, evaluations : ndarray of int, shape (n,)
     history : tuple of n ndarray
         Best cost of the first population and after each generation.
+
+    Examples
+    --------
+    >>> scene = ik.harvest.example_scene("cucumber_thin")
+    >>> programme = ik.harvest.Programme("cucumber", scene, "C1")
+    >>> runs = programme.differential(range(3), generations=5)
+    >>> runs.seeds, len(runs.history)
+    ((0, 1, 2), 3)
     """
 
     seeds: tuple[int, ...]
@@ -207,6 +235,13 @@ class Programme:
         ------
         ArgumentError
             A wrong shape, or a number that is not finite.
+
+        Examples
+        --------
+        >>> scene = ik.harvest.example_scene("cucumber_thin")
+        >>> programme = ik.harvest.Programme("cucumber", scene, "C1")
+        >>> programme.terms(ik.Robot.load("cucumber").random_q(3, seed=1)).cost.shape
+        (3,)
         """
         return _terms(self._native.terms(q))
 
@@ -236,6 +271,13 @@ class Programme:
         ------
         ArgumentError, UnknownNameError
             An option out of its range, or of an unknown name.
+
+        Examples
+        --------
+        >>> scene = ik.harvest.example_scene("cucumber_thin")
+        >>> programme = ik.harvest.Programme("cucumber", scene, "C1")
+        >>> programme.genetic(1, generations=5).terms.cost.shape
+        (1,)
         """
         return self._search("ga", seeds, threads, options)
 
@@ -261,6 +303,14 @@ class Programme:
         ------
         ArgumentError, UnknownNameError
             As `genetic`.
+
+        Examples
+        --------
+        >>> scene = ik.harvest.example_scene("cucumber_thin")
+        >>> programme = ik.harvest.Programme("cucumber", scene, "C1")
+        >>> runs = programme.differential([1, 2], generations=5)
+        >>> runs.q.shape
+        (2, 7)
         """
         return self._search("de", seeds, threads, options)
 
@@ -302,6 +352,14 @@ class Programme:
         ------
         ArgumentError
             A robot without the structure.
+
+        Examples
+        --------
+        >>> scene = ik.harvest.example_scene("cucumber_thin")
+        >>> programme = ik.harvest.Programme("cucumber", scene, "C1")
+        >>> best = programme.null_space(angles=19, slides=11)
+        >>> bool(programme.terms(best.q).position < 1e-6)
+        True
         """
         settings = Settings(
             angles=angles,

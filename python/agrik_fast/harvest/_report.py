@@ -29,6 +29,12 @@ def summary(found: Evaluation) -> dict[str, Any]:
     -------
     dict
         What `write_report` writes as JSON; lengths in the unit that a name says.
+
+    Examples
+    --------
+    >>> found = ik.harvest.evaluate(ik.harvest.example_scene())
+    >>> "shares" in ik.harvest.summary(found)
+    True
     """
     if not isinstance(found, Evaluation):
         raise ArgumentError("found", shown(found), "an Evaluation")
@@ -75,6 +81,14 @@ def write_report(
     ------
     AgrikError
         A file cannot be written, or Matplotlib is missing.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> found = ik.harvest.evaluate(ik.harvest.example_scene())
+    >>> files = ik.harvest.write_report(found, pathlib.Path("harvest"), pictures=False)
+    >>> [file.name for file in files]
+    ['harvest.csv', 'harvest.json']
     """
     record = summary(found)
     truth_value("pictures", pictures)

@@ -31,6 +31,11 @@ def example_scene(name: str = "cucumber") -> Scene:
     ------
     UnknownNameError
         Another name.
+
+    Examples
+    --------
+    >>> sorted(ik.harvest.example_scene().targets)[:2]
+    ['C1', 'C2']
     """
     import json
 

@@ -56,6 +56,14 @@ class Settings:
     ------
     ArgumentError
         A number out of its range, or both weights 0.
+
+    Examples
+    --------
+    >>> careful = ik.harvest.Settings(min_distance=0.01)
+    >>> scene = ik.harvest.example_scene()
+    >>> found = ik.harvest.plan("cucumber", scene, ["C1"], settings=careful)
+    >>> bool(found["C1"].distance >= 0.01)
+    True
     """
 
     angles: int = 73
@@ -96,7 +104,13 @@ class Settings:
             raise ArgumentError("time_limit", "0", "a time above 0, s")
 
     def as_options(self) -> dict[str, Any]:
-        """Return the settings as the compiled core takes them."""
+        """Return the settings as the compiled core takes them.
+
+        Examples
+        --------
+        >>> ik.harvest.Settings(angles=37).as_options()["angles"]
+        37
+        """
         return asdict(self)
 
 

@@ -24,6 +24,16 @@ def draw_arm(axes: Any, robot: Robot, q: FloatArray, colour: str = ARM, alpha: f
     q : ndarray, shape (n,), rad and m
     colour : str, optional
     alpha : float, default 0.6
+
+    Examples
+    --------
+    >>> import matplotlib.figure
+    >>> from agrik_fast.harvest import drawing
+    >>> axes = matplotlib.figure.Figure().add_subplot(projection="3d")
+    >>> arm = ik.Robot.load("cucumber")
+    >>> drawing.draw_arm(axes, arm, arm.home)
+    >>> len(axes.collections) > 0
+    True
     """
     frames = robot.frames_of(q)
     for each in robot.surfaces("bodies"):

@@ -54,6 +54,13 @@ def approach_scan(
     ------
     ArgumentError, UnknownNameError
         As `harvest.plan`.
+
+    Examples
+    --------
+    >>> from agrik_fast.harvest import scans
+    >>> scan = scans.approach_scan("cucumber", ik.harvest.example_scene(), "C1")
+    >>> len(scan["psi"])
+    73
     """
     crop, point, objects = _one(robot, scene, target, distance)
     options = checked_settings(settings).as_options()
@@ -96,6 +103,13 @@ def slide_table(
     ------
     ArgumentError, UnknownNameError
         As `harvest.plan`.
+
+    Examples
+    --------
+    >>> from agrik_fast.harvest import scans
+    >>> table = scans.slide_table("cucumber", ik.harvest.example_scene(), "C1", psi=0.0)
+    >>> "slide" in table
+    True
     """
     crop, point, objects = _one(robot, scene, target, distance)
     options = checked_settings(settings).as_options()

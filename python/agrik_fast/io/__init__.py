@@ -2,6 +2,7 @@
 
 from ._arrow import ResultTable, TargetTable, check_number_columns, number_columns
 from ._errors import DataFileError, ResultFileError, TargetFileError
+from ._extras import Extra, Extras, part_of
 from ._parquet import check_parquet_sizes, import_pyarrow, open_parquet, parquet_writer
 from ._reader import TargetReader
 from ._records import ResultChunk, ResultLayout, SceneColumns, TargetChunk
@@ -11,6 +12,8 @@ from ._writer import ResultWriter
 
 __all__ = [
     "DataFileError",
+    "Extra",
+    "Extras",
     "ResultChunk",
     "ResultFileError",
     "ResultLayout",
@@ -29,6 +32,7 @@ __all__ = [
     "open_parquet",
     "open_results",
     "parquet_writer",
+    "part_of",
     "read_results",
     "read_targets",
 ]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .._files import Refusal, listing, reading
 from ._columns import ColumnError, match_columns
+from ._extras import arrow_type
 from ._ids import check_text, checked
 from ._parquet import import_pyarrow
 from ._reader import CHUNK_BYTES, DEFAULT_CHUNK
@@ -47,6 +48,14 @@ class TargetTable:
     ------
     AgrikError
         By `refuse`: the columns do not describe targets.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import TargetTable
+    >>> import pyarrow
+    >>> batch = pyarrow.RecordBatch.from_pydict({"x_m": [0.4], "y_m": [0.2], "z_m": [0.3]})
+    >>> TargetTable(batch.schema, lambda reason: ValueError(reason)).is_pose
+    False
     """
 
     def __init__(self, schema: Any, refuse: Refusal) -> None:
@@ -73,7 +82,17 @@ class TargetTable:
                 raise refuse(f"column 'id' holds {kind}, expected integers or text")
 
     def chunk(self, first: int, batch: Any) -> TargetChunk:
-        """Return a record batch as targets; `first` is the index of its first row."""
+        """Return a record batch as targets; `first` is the index of its first row.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import TargetTable
+        >>> import pyarrow
+        >>> batch = pyarrow.RecordBatch.from_pydict({"x_m": [0.4], "y_m": [0.2], "z_m": [0.3]})
+        >>> table = TargetTable(batch.schema, lambda reason: ValueError(reason))
+        >>> table.chunk(0, batch).targets
+        array([[0.4, 0.2, 0.3]])
+        """
         values = number_columns(first, batch, self.numeric, self._refuse)
         return TargetChunk(first, self._columns.targets(values), self._ids(first, batch))
 
@@ -185,6 +204,13 @@ class ResultTable:
     ----------
     schema : pyarrow.Schema
         With the layout's metadata, its keys behind a prefix.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import ResultLayout, ResultTable
+    >>> table = ResultTable(ResultLayout(("q1_rad",)), lambda reason: ValueError(reason))
+    >>> table.schema.names[:3]
+    ['id', 'q1_rad', 'status']
     """
 
     def __init__(self, layout: ResultLayout, refuse: Refusal) -> None:
@@ -206,12 +232,24 @@ class ResultTable:
                 ("iterations", pyarrow.int32()),
                 ("restarts", pyarrow.int32()),
                 *(zip(SCENE_COLUMNS, scene, strict=True) if layout.name_letters else ()),
+                *((name, arrow_type(pyarrow, kind)) for name, kind in layout.extras),
             ],
             metadata=metadata,
         )
 
     def table(self, chunk: ResultChunk) -> Any:
-        """Return a chunk as a `pyarrow.Table`."""
+        """Return a chunk as a `pyarrow.Table`.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import ResultChunk, ResultLayout, ResultTable
+        >>> one = np.ones(1, dtype=int)
+        >>> q, none = np.full((1, 1), 0.5), np.zeros(1)
+        >>> chunk = ResultChunk(one, q, 0 * one, one > 0, none, none, one, one)
+        >>> table = ResultTable(ResultLayout(("q1_rad",)), lambda reason: ValueError(reason))
+        >>> table.table(chunk).num_rows
+        1
+        """
         array = self._pyarrow.array
         status = self._pyarrow.DictionaryArray.from_arrays(
             array(chunk.status.astype(np.int8)), array(list(STATUS_NAMES))
@@ -230,4 +268,8 @@ class ResultTable:
         if scene is not None:
             clearance, *names = scene
             columns += [array(clearance), *(array(n.tolist()).dictionary_encode() for n in names)]
+        columns += [
+            array(chunk.extras[name], type=arrow_type(self._pyarrow, kind))
+            for name, kind in self._layout.extras
+        ]
         return self._pyarrow.Table.from_arrays(columns, schema=self.schema)

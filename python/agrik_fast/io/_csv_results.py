@@ -38,6 +38,9 @@ class CsvWriter(ResultWriter):
         if scene is not None:
             clearance, body, thing = scene
             columns += [clearance, body.tolist(), thing.tolist()]
+        for name, kind in self.layout.extras:
+            column = chunk.extras[name]
+            columns.append(column.tolist() if kind == "text" else np.ascontiguousarray(column))
         self._file.stream.write(csv_lines(columns))
 
     def _finish(self) -> None:

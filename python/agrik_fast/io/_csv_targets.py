@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ._columns import ColumnError, match_columns
 from ._csv_rows import Block, CsvRows
 from ._errors import TargetFileError
+from ._extras import Extra, column_of
 from ._ids import check_text
 from ._reader import CHUNK_BYTES, DEFAULT_CHUNK, TargetReader
 from ._records import TargetChunk
@@ -34,6 +35,9 @@ class CsvReader(TargetReader):
             raise TargetFileError(path, str(error)) from error
         self._numeric = [names.index(name) for name in self._columns.numeric]
         self._texts = [] if self._columns.row_id is None else [names.index("id")]
+        # What a column holds is known when the last row is read: it is passed on as it is written.
+        self.extras = tuple(Extra(name, "text") for name in self._columns.ignored if name)
+        self._more = [names.index(extra.name) for extra in self.extras]
         if not rows.block(1, 1, [], [])[2]:
             raise TargetFileError(path, "no targets after the header")
         self.is_pose = self._columns.orientation is not None
@@ -45,17 +49,22 @@ class CsvReader(TargetReader):
         rows = CsvRows(self.path, self._refuse)
         first = 0
         while True:
-            block = rows.block(size, CHUNK_BYTES, self._numeric, self._texts)
+            block = rows.block(size, CHUNK_BYTES, self._numeric, [*self._texts, *self._more])
             count = len(block[2])
             if not count:
                 return
             targets = self._columns.targets(block[0])
-            yield TargetChunk(first, targets, self._ids(first, block))
+            texts = block[1][len(self._texts) :]
+            extras = {
+                extra.name: column_of("text", np.array(column, dtype=object))
+                for extra, column in zip(self.extras, texts, strict=True)
+            }
+            yield TargetChunk(first, targets, self._ids(first, block), extras)
             first += count
 
     def _ids(self, first: int, block: Block) -> NDArray[np.int64] | NDArray[np.str_]:
         _, texts, lines = block
-        if not texts:
+        if not self._texts:
             return np.arange(first + 1, first + len(lines) + 1, dtype=np.int64)
         for at, (text, line) in enumerate(zip(texts[0], lines, strict=True)):
             check_text(text, f"row {first + at + 1} (line {line}), column 'id'", self._refuse)

@@ -17,6 +17,15 @@ class DataFileError(AgrikError, ValueError):
         The file.
     reason : str
         What is wrong, with row and column where they are known.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import DataFileError, read_targets
+    >>> try:
+    ...     read_targets("nowhere.csv")
+    ... except DataFileError as error:
+    ...     print(error.path.name)
+    nowhere.csv
     """
 
     def __init__(self, path: Path | str, reason: str) -> None:
@@ -30,8 +39,29 @@ class DataFileError(AgrikError, ValueError):
 
 
 class TargetFileError(DataFileError):
-    """A target file is missing, malformed or of an unknown kind."""
+    """A target file is missing, malformed or of an unknown kind.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import TargetFileError, read_targets
+    >>> np.save("wrong.npy", np.zeros((5, 2)))
+    >>> try:
+    ...     read_targets("wrong.npy")
+    ... except TargetFileError as error:
+    ...     print(error.path.name)
+    wrong.npy
+    """
 
 
 class ResultFileError(DataFileError):
-    """A result file exists already, cannot be written or is of an unknown kind."""
+    """A result file exists already, cannot be written or is of an unknown kind.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import ResultFileError, check_result_path
+    >>> try:
+    ...     check_result_path("joints.xls")
+    ... except ResultFileError as error:
+    ...     print(error.path.name)
+    joints.xls
+    """

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .._files import Refusal
 from .._npy import header_bytes
+from ._errors import ResultFileError
+from ._extras import for_numpy
 from ._records import (
     SCENE_COLUMNS,
     STATUS_NAMES,
@@ -19,9 +24,13 @@ from ._records import (
 )
 from ._writer import ResultWriter
 
+_NUMBERS = {"int": np.int64, "float": np.float64, "bool": np.bool_}
 
-def record_dtype(layout: ResultLayout, id_dtype: np.dtype[Any]) -> np.dtype[Any]:
-    """Return the structured type of one result row."""
+
+def record_dtype(
+    layout: ResultLayout, id_dtype: np.dtype[Any], texts: Mapping[str, np.dtype[Any]]
+) -> np.dtype[Any]:
+    """Return the structured type of one result row; `texts` are types of columns passed on."""
     kinds = (np.float64, *2 * (f"<U{layout.name_letters}",))
     return np.dtype(
         [
@@ -34,13 +43,21 @@ def record_dtype(layout: ResultLayout, id_dtype: np.dtype[Any]) -> np.dtype[Any]
             ("iterations", np.int32),
             ("restarts", np.int32),
             *(zip(SCENE_COLUMNS, kinds, strict=True) if layout.name_letters else ()),
+            *(
+                (name, texts[name] if kind == "text" else _NUMBERS[kind])
+                for name, kind in layout.extras
+            ),
         ]
     )
 
 
-def records(layout: ResultLayout, chunk: ResultChunk) -> NDArray[Any]:
+def records(layout: ResultLayout, chunk: ResultChunk, refuse: Refusal) -> NDArray[Any]:
     """Return the chunk as a structured array."""
-    out = np.empty(len(chunk), dtype=record_dtype(layout, chunk.ids.dtype))
+    extras = {each.name: for_numpy(each, chunk.extras[each.name], refuse) for each in layout.extras}
+    types = {name: column.dtype for name, column in extras.items()}
+    out = np.empty(len(chunk), dtype=record_dtype(layout, chunk.ids.dtype, types))
+    for name, column in extras.items():
+        out[name] = column
     out["id"] = chunk.ids
     for k, name in enumerate(layout.joint_columns):
         out[name] = chunk.q[:, k]
@@ -59,32 +76,35 @@ class NpyWriter(ResultWriter):
     """A structured array, row by row on the disk.
 
     The header is written for no rows first and again, at the same length, when their number
-    is known. Text ids have no common width until all are known, so such rows are gathered.
+    is known. Texts have no common width until all are known, so rows with text ids, or with
+    texts that are passed on, are gathered.
     """
 
     def __init__(self, path: Path, layout: ResultLayout, *, force: bool) -> None:
         super().__init__(path, layout, force=force)
         self._count = 0
-        self._gathered: list[NDArray[Any]] = []
-        self._dtype = record_dtype(layout, np.dtype(np.int64))
-        if not layout.text_ids:
+        self._gathered: list[ResultChunk] = []
+        self._refuse = partial(ResultFileError, path)
+        self._gathers = layout.text_ids or any(extra.kind == "text" for extra in layout.extras)
+        if not self._gathers:
+            self._dtype = record_dtype(layout, np.dtype(np.int64), {})
             self._header(0)
 
     def _header(self, count: int) -> None:
         self._file.stream.write(header_bytes(self._dtype, count))
 
     def _write(self, chunk: ResultChunk) -> None:
-        rows = records(self.layout, chunk)
-        if self.layout.text_ids:
-            self._gathered.append(rows)
+        if self._gathers:
+            self._gathered.append(chunk)
         else:
             # The bytes as they lie, without a copy.
+            rows = records(self.layout, chunk, self._refuse)
             self._file.stream.write(rows.view(np.uint8).data)
         self._count += len(chunk)
 
     def _finish(self) -> None:
-        if self.layout.text_ids:
-            rows = np.concatenate(self._gathered)
+        if self._gathers:
+            rows = records(self.layout, ResultChunk.joined(self._gathered), self._refuse)
             self._file.stream.write(header_bytes(rows.dtype, len(rows)))
             self._file.stream.write(rows.view(np.uint8).data)
             return
@@ -107,6 +127,9 @@ class NpzWriter(ResultWriter):
         joined = ResultChunk.joined(self._gathered)
         columns = scene_columns(self.layout, joined) or ()
         scene: dict[str, Any] = dict(zip(SCENE_COLUMNS, columns, strict=False))
+        refuse = partial(ResultFileError, self.path)
+        for extra in self.layout.extras:
+            scene[extra.name] = for_numpy(extra, joined.extras[extra.name], refuse)
         np.savez_compressed(
             cast(Any, self._file.stream),
             id=joined.ids,
@@ -120,5 +143,6 @@ class NpzWriter(ResultWriter):
             iterations=joined.iterations,
             restarts=joined.restarts,
             **scene,
+            extra_columns=np.array([extra.name for extra in self.layout.extras], dtype=np.str_),
             metadata=np.array(json.dumps(self.layout.metadata, sort_keys=True)),
         )

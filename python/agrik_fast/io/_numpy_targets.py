@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from .._files import listing, reading
 from .._npy import Archive, Header, Rows, read_header
 from ._columns import RADIANS_PER_UNIT, UNITS_PER_METRE
 from ._errors import TargetFileError
+from ._extras import Extra, column_of, kind_of
 from ._ids import check_width, checked
 from ._reader import DEFAULT_CHUNK, TargetReader, rows_within
 from ._records import TargetChunk
@@ -89,6 +90,7 @@ class NpzReader(TargetReader):
             used = _used_keys(path, archive.names)
             self._headers = {key: archive.header(key) for key in used}
             self.ignored = tuple(key for key in archive.names if key not in used)
+            others = _headers(archive, self.ignored)
         numbers = {key: header for key, header in self._headers.items() if key != "id"}
         for key, header in numbers.items():
             _check_kind(path, f"'{key}'", header)
@@ -109,6 +111,14 @@ class NpzReader(TargetReader):
             check_width(self._headers["id"].dtype, "'id'", self._refuse)
             self.has_text_ids = self._headers["id"].dtype.kind == "U"
         self.is_pose = place == "T" or len(numbers) > 1
+        kinds = [(key, header, kind_of(header.dtype)) for key, header in others.items()]
+        fit = [
+            (Extra(key, kind), header)
+            for key, header, kind in kinds
+            if kind is not None and header.shape == (self._count,)
+        ]
+        self.extras = tuple(extra for extra, _ in fit)
+        self._headers |= {extra.name: header for extra, header in fit}
 
     def _check_shape(self, key: str, expected: tuple[int, ...]) -> None:
         shape = self._headers[key].shape
@@ -133,11 +143,22 @@ class NpzReader(TargetReader):
                     rows.finish()
 
     def _chunk(self, first: int, arrays: dict[str, NDArray[Any]]) -> TargetChunk:
+        extras = {name: column_of(kind, arrays.pop(name)) for name, kind in self.extras}
         ids = arrays.pop("id", None)
         targets = _targets(arrays)
         if ids is None:
             ids = np.arange(first + 1, first + len(targets) + 1, dtype=np.int64)
-        return TargetChunk(first, targets, checked(ids, first, self._refuse))
+        return TargetChunk(first, targets, checked(ids, first, self._refuse), extras)
+
+
+def _headers(archive: Archive, keys: Sequence[str]) -> dict[str, Header]:
+    """Return the headers of arrays, as far as they can be read."""
+    found = {}
+    for key in keys:
+        # Nobody asked for it, so that it may be anything.
+        with contextlib.suppress(TargetFileError):
+            found[key] = archive.header(key)
+    return found
 
 
 def _used_keys(path: Path, keys: list[str]) -> list[str]:

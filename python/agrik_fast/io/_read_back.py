@@ -15,6 +15,7 @@ from .._files import Refusal, listing, reading, shown
 from .._npy import Archive, read_array
 from ._csv_rows import CsvRows
 from ._errors import ResultFileError
+from ._extras import Extra, column_of, kind_of
 from ._ids import check_text, check_width, checked
 from ._parquet import WHAT, check_parquet_sizes, open_parquet
 from ._reader import CHUNK_BYTES
@@ -64,8 +65,14 @@ def _joints(names: Sequence[str], refuse: Refusal) -> tuple[str, ...]:
         raise refuse(f"{_NO_RESULT}: missing '{missing[0]}'; found {listing(names) or 'nothing'}")
     if len(set(names)) < len(names):
         raise refuse(f"{_NO_RESULT}: a column appears twice")
-    others = ("id", *FIXED_COLUMNS, *_scene_names(names))
-    return tuple(name for name in names if name not in others)
+    # Joints stand before the first fixed column; what was passed on stands behind the last.
+    return tuple(name for name in names[: names.index(FIXED_COLUMNS[0])] if name != "id")
+
+
+def _passed_on(names: Sequence[str]) -> list[str]:
+    """Return the columns of a header that were passed on from the targets."""
+    known = (*FIXED_COLUMNS, *_scene_names(names))
+    return [name for name in names[names.index(FIXED_COLUMNS[0]) :] if name not in known]
 
 
 def _scene_names(names: Sequence[str]) -> tuple[str, ...]:
@@ -78,7 +85,16 @@ def _assemble(
 ) -> tuple[ResultLayout, ResultChunk]:
     joints = _joints(names, refuse)
     count = len(columns["id"])
+    extras = {}
+    for name in _passed_on(names):
+        column = columns[name]
+        kind = "text" if column.dtype == object else kind_of(column.dtype)
+        if column.shape != (count,) or kind is None:
+            raise refuse(f"'{name}' of shape {column.shape} holds {shown(column.dtype)}")
+        extras[Extra(name, kind)] = column_of(kind, column)
     for name in names:
+        if name in {extra.name for extra in extras}:
+            continue
         column = columns[name]
         if column.shape != (count,):
             raise refuse(f"'{name}' of shape {column.shape}, expected ({count},)")
@@ -113,8 +129,10 @@ def _assemble(
         iterations=columns["iterations"],
         restarts=columns["restarts"],
         scene=scene,
+        extras={extra.name: column for extra, column in extras.items()},
     )
-    return ResultLayout(joints, columns["id"].dtype.kind == "U", metadata, letters), chunk
+    text_ids = columns["id"].dtype.kind == "U"
+    return ResultLayout(joints, text_ids, metadata, letters, tuple(extras)), chunk
 
 
 Read = tuple[Sequence[str], Columns, dict[str, str]]
@@ -126,7 +144,8 @@ def _csv(path: Path, refuse: Refusal) -> Read:
     if not names:
         raise refuse(f"{_NO_RESULT}: the file is empty")
     _joints(names, refuse)
-    worded = [*_WORDS, *_scene_names(names)[1:]]
+    passed_on = _passed_on(names)
+    worded = [*_WORDS, *_scene_names(names)[1:], *passed_on]
     words = [names.index(name) for name in worded]
     numeric = [at for at in range(len(names)) if at not in words]
     blocks = []
@@ -134,7 +153,11 @@ def _csv(path: Path, refuse: Refusal) -> Read:
         numbers, texts, lines = rows.block(_BLOCK, CHUNK_BYTES, numeric, words)
         columns: Columns = {names[at]: numbers[:, k] for k, at in enumerate(numeric)}
         for name, column in zip(worded, texts, strict=True):
-            columns[name] = _words(name, column, lines, refuse)
+            columns[name] = (
+                np.array(column, dtype=object)
+                if name in passed_on
+                else _words(name, column, lines, refuse)
+            )
         blocks.append(columns)
         if not lines:
             break
@@ -174,6 +197,10 @@ def _npz(path: Path, refuse: Refusal) -> Read:
     with Archive(path, refuse) as archive:
         scene = _scene_names(archive.names)
         columns = {name: archive.array(name) for name in ("id", *FIXED_COLUMNS, *scene)}
+        more: list[str] = []
+        if "extra_columns" in archive.names:
+            more = [str(name) for name in archive.array("extra_columns").tolist()]
+            columns |= {name: archive.array(name) for name in more}
         joints = archive.array("joint_columns")
         q = archive.array("q")
         text = archive.array("metadata")
@@ -186,7 +213,7 @@ def _npz(path: Path, refuse: Refusal) -> Read:
     with reading(refuse, "'joint_columns' is damaged"):
         names = [str(name) for name in joints.tolist()]
     columns.update({name: q[:, k] for k, name in enumerate(names)})
-    return ["id", *names, *FIXED_COLUMNS, *scene], columns, metadata
+    return ["id", *names, *FIXED_COLUMNS, *scene, *more], columns, metadata
 
 
 def _parquet(path: Path, refuse: Refusal) -> Read:
@@ -202,6 +229,8 @@ def _parquet(path: Path, refuse: Refusal) -> Read:
                 columns[name] = _column(name, column.to_pylist())
             elif name == "id":
                 columns[name] = _parquet_ids(column, refuse)
+            elif name in _passed_on(names) and column.type == "string":
+                columns[name] = np.array(column.to_pylist(), dtype=object)
             else:
                 columns[name] = column.to_numpy()
         metadata = {

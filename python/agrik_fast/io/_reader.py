@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ._extras import Extra, joined
 from ._records import TargetChunk
 
 DEFAULT_CHUNK = 65_536
@@ -35,6 +36,15 @@ class TargetReader(abc.ABC):
         True if the row ids are text.
     ignored : tuple of str
         Columns or keys that were found and not used.
+    extras : tuple of Extra
+        Those of them that can be passed on to the results.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import read_targets
+    >>> np.save("points.npy", [[0.4, 0.2, 0.3], [0.3, 0.1, 0.4]])
+    >>> read_targets("points.npy").count
+    2
     """
 
     path: Path
@@ -42,6 +52,7 @@ class TargetReader(abc.ABC):
     count: int | None
     has_text_ids: bool = False
     ignored: tuple[str, ...] = ()
+    extras: tuple[Extra, ...] = ()
 
     @abc.abstractmethod
     def chunks(self, size: int = DEFAULT_CHUNK) -> Iterator[TargetChunk]:
@@ -51,13 +62,29 @@ class TargetReader(abc.ABC):
         ------
         TargetFileError
             At the chunk that holds the fault, naming its row and column.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import read_targets
+        >>> np.save("points.npy", np.zeros((5, 3)))
+        >>> [len(chunk.targets) for chunk in read_targets("points.npy").chunks(2)]
+        [2, 2, 1]
         """
 
     def read_all(self) -> TargetChunk:
-        """All targets as one chunk."""
+        """All targets as one chunk.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import read_targets
+        >>> np.save("points.npy", np.zeros((5, 3)))
+        >>> read_targets("points.npy").read_all().targets.shape
+        (5, 3)
+        """
         parts = list(self.chunks())
         return TargetChunk(
             0,
             np.concatenate([part.targets for part in parts]),
             np.concatenate([part.ids for part in parts]),
+            joined([part.extras for part in parts]),
         )

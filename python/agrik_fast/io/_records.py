@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..result import IkResult, Status
+from ._extras import Extra, Extras, joined
 
 STATUS_NAMES = tuple(status.name.lower() for status in Status)
 """Names of the statuses in files, in the order of their codes."""
@@ -43,11 +44,21 @@ class TargetChunk:
         Tool points or tool poses in the robot's base frame.
     ids : ndarray, shape (n,)
         Row ids of the file, as int64 or text; row numbers from 1 where the file has none.
+    extras : mapping of str to ndarray, shape (n,)
+        Columns that are passed on to the results.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import TargetChunk
+    >>> chunk = TargetChunk(first=0, targets=np.zeros((2, 3)), ids=np.array([1, 2]))
+    >>> chunk.targets.shape
+    (2, 3)
     """
 
     first: int
     targets: NDArray[np.float64]
     ids: NDArray[Any]
+    extras: Extras = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.targets)
@@ -67,22 +78,44 @@ class ResultLayout:
         How the results were made (robot, task, solver, seed, ...); kept in NPZ and Parquet.
     name_letters : int
         Letters of the longest name in the columns on a scene; 0 where there are none.
+    extras : tuple of Extra
+        Columns that are passed on from the targets, behind all others.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import ResultLayout
+    >>> arm = ik.Robot.load("strawberry")
+    >>> ResultLayout(ResultLayout.joint_names(arm.joint_names, arm.joint_types)).joint_columns
+    ('s10_m', 's21_m', 's32_m', 'theta_rad', 'beta_rad')
     """
 
     joint_columns: tuple[str, ...]
     text_ids: bool = False
     metadata: dict[str, str] = field(default_factory=dict)
     name_letters: int = 0
+    extras: tuple[Extra, ...] = ()
+
+    @property
+    def own_columns(self) -> tuple[str, ...]:
+        """Names of all columns that are not passed on, in order."""
+        scene = SCENE_COLUMNS if self.name_letters else ()
+        return ("id", *self.joint_columns, *FIXED_COLUMNS, *scene)
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of all columns, in order."""
-        scene = SCENE_COLUMNS if self.name_letters else ()
-        return ("id", *self.joint_columns, *FIXED_COLUMNS, *scene)
+        return (*self.own_columns, *(extra.name for extra in self.extras))
 
     @staticmethod
     def joint_names(names: Sequence[str], types: Sequence[str]) -> tuple[str, ...]:
-        """Return column names of joints: ``_m`` for prismatic ones, ``_rad`` for the others."""
+        """Return column names of joints: ``_m`` for prismatic ones, ``_rad`` for the others.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import ResultLayout
+        >>> ResultLayout.joint_names(["slide", "elbow"], ["prismatic", "revolute"])
+        ('slide_m', 'elbow_rad')
+        """
         return tuple(
             f"{name}_{'m' if kind == 'prismatic' else 'rad'}"
             for name, kind in zip(names, types, strict=True)
@@ -99,6 +132,13 @@ class SceneColumns:
         Distance of the nearest collision; 0 or less in contact, infinite for none.
     body, object : ndarray of text, shape (n,)
         Names of the body and of the object, or other body, that it is nearest to.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import SceneColumns
+    >>> columns = SceneColumns(np.array([0.02]), np.array(["gripper"]), np.array(["leaf"]))
+    >>> str(columns.body[0])
+    'gripper'
     """
 
     clearance: NDArray[np.float64]
@@ -133,6 +173,17 @@ class ResultChunk:
     iterations, restarts : ndarray, shape (n,)
     scene : SceneColumns or None
         What they are nearest to, of answers that were to keep clear of a scene.
+    extras : mapping of str to ndarray, shape (n,)
+        Columns that are passed on from the targets.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import ResultChunk
+    >>> one = np.ones(1, dtype=int)
+    >>> q, none = np.ones((1, 6)), np.zeros(1)
+    >>> chunk = ResultChunk(one, q, 0 * one, one > 0, none, none, one, one)
+    >>> chunk.q.shape
+    (1, 6)
     """
 
     ids: NDArray[Any]
@@ -144,9 +195,10 @@ class ResultChunk:
     iterations: NDArray[np.integer[Any]]
     restarts: NDArray[np.integer[Any]]
     scene: SceneColumns | None = None
+    extras: Extras = field(default_factory=dict)
 
     @classmethod
-    def of(cls, result: IkResult, ids: NDArray[Any]) -> ResultChunk:
+    def of(cls, result: IkResult, ids: NDArray[Any], extras: Extras | None = None) -> ResultChunk:
         """Return what the solver found for rows of these ids."""
         return cls(
             ids=ids,
@@ -158,6 +210,7 @@ class ResultChunk:
             iterations=result.iterations,
             restarts=result.restarts,
             scene=SceneColumns.of(result),
+            extras={} if extras is None else extras,
         )
 
     def __len__(self) -> int:
@@ -165,18 +218,31 @@ class ResultChunk:
 
     @staticmethod
     def joined(chunks: Sequence[ResultChunk]) -> ResultChunk:
-        """Return chunks that follow one another as one."""
+        """Return chunks that follow one another as one.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import ResultChunk
+        >>> one = np.ones(1, dtype=int)
+        >>> q, none = np.ones((1, 6)), np.zeros(1)
+        >>> chunk = ResultChunk(one, q, 0 * one, one > 0, none, none, one, one)
+        >>> len(ResultChunk.joined([chunk, chunk]).ids)
+        2
+        """
 
         def whole(parts: Sequence[Any], name: str) -> NDArray[Any]:
             return np.concatenate([getattr(part, name) for part in parts])
 
-        names = [name for name in ResultChunk.__dataclass_fields__ if name != "scene"]
+        apart = ("scene", "extras")
+        names = [name for name in ResultChunk.__dataclass_fields__ if name not in apart]
         scenes = [chunk.scene for chunk in chunks if chunk.scene is not None]
         scene = None
         if scenes:
             fields = SceneColumns.__dataclass_fields__
             scene = SceneColumns(**{name: whole(scenes, name) for name in fields})
-        return ResultChunk(**{name: whole(chunks, name) for name in names}, scene=scene)
+        columns = {name: whole(chunks, name) for name in names}
+        extras = joined([chunk.extras for chunk in chunks])
+        return ResultChunk(**columns, scene=scene, extras=extras)
 
 
 def scene_columns(

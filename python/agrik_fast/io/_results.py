@@ -19,6 +19,12 @@ def check_result_path(path: Path | str) -> Path:
     ------
     ResultFileError
         For any other suffix.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import check_result_path
+    >>> check_result_path("joints.parquet").suffix
+    '.parquet'
     """
     path = Path(path)
     if path.suffix.lower() not in RESULT_SUFFIXES:
@@ -42,6 +48,9 @@ def open_results(path: Path | str, layout: ResultLayout, *, force: bool = False)
       ``status_names``, ``success``, ``position_error_m``, ``orientation_error_rad``,
       ``iterations``, ``restarts``, ``metadata`` (JSON).
 
+    Columns that are passed on from the targets (`ResultLayout.extras`) stand behind these; NPZ
+    names them in ``extra_columns``.
+
     Parameters
     ----------
     path : path-like
@@ -54,6 +63,17 @@ def open_results(path: Path | str, layout: ResultLayout, *, force: bool = False)
     ResultFileError
         For an unknown suffix, an existing file without `force`, a folder that cannot be
         written.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import ResultChunk, ResultLayout, open_results, read_results
+    >>> one = np.ones(1, dtype=int)
+    >>> q, none = np.full((1, 1), 0.5), np.zeros(1)
+    >>> chunk = ResultChunk(one, q, 0 * one, one > 0, none, none, one, one)
+    >>> with open_results("results.csv", ResultLayout(("q1_rad",))) as results:
+    ...     results.write(chunk)
+    >>> read_results("results.csv")[1].q
+    array([[0.5]])
     """
     path = check_result_path(path)
     suffix = path.suffix.lower()
@@ -88,6 +108,18 @@ def read_results(path: Path | str) -> tuple[ResultLayout, ResultChunk]:
     ------
     ResultFileError
         If the file is missing or no result file.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import read_results
+    >>> from agrik_fast.jobs import SolveRequest, solve_file
+    >>> from pathlib import Path
+    >>> np.save("points.npy", [[0.4, 0.2, 0.3]])
+    >>> paths = Path("points.npy"), Path("joints.csv")
+    >>> _ = solve_file(SolveRequest("ur5", *paths))
+    >>> layout, results = read_results("joints.csv")
+    >>> layout.joint_columns[0], results.success.tolist()
+    ('shoulder_pan_rad', [True])
     """
     from ._read_back import read
 

@@ -31,6 +31,9 @@ def read_targets(path: Path | str) -> TargetReader:
       (n, 3) with at most one of ``quaternion_xyzw`` (n, 4), ``zyz_rad``, ``zyz_deg``,
       ``rpy_rad``, ``rpy_deg`` (n, 3); optionally ``id`` (n,). Entries are stored or deflated.
 
+    Other columns, and keys of as many rows, are read as well, to be passed on to results (of
+    Parquet and NPZ not those of lists and bytes).
+
     Refused are ids of more than 1000 letters, CSV rows of more than 1 MiB, and arrays and
     columns that unpack to more than 64 MiB and 500 times their size in the file.
 
@@ -47,6 +50,14 @@ def read_targets(path: Path | str) -> TargetReader:
     TargetFileError
         If the file is missing, unreadable, empty, of an unknown kind, or its columns do not
         describe targets.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import read_targets
+    >>> np.save("points.npy", [[0.4, 0.2, 0.3], [0.3, 0.1, 0.4]])
+    >>> reader = read_targets("points.npy")
+    >>> reader.is_pose, reader.count
+    (False, 2)
     """
     path = Path(path)
     suffix = path.suffix.lower()

@@ -19,6 +19,13 @@ class ResultWriter(abc.ABC):
 
     Use it as a context manager: a ``with`` block left by an exception, Ctrl-C included,
     removes what was written and leaves the destination as it was.
+
+    Examples
+    --------
+    >>> from agrik_fast.io import ResultLayout, open_results
+    >>> with open_results("empty.csv", ResultLayout(("q1_rad",))) as results:
+    ...     print(type(results).__name__)
+    CsvWriter
     """
 
     def __init__(self, path: Path, layout: ResultLayout, *, force: bool) -> None:
@@ -33,6 +40,18 @@ class ResultWriter(abc.ABC):
         ------
         ResultFileError
             If the disk refuses.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import ResultChunk, ResultLayout, open_results, read_results
+        >>> one = np.ones(1, dtype=int)
+        >>> q, none = np.full((1, 1), 0.5), np.zeros(1)
+        >>> chunk = ResultChunk(one, q, 0 * one, one > 0, none, none, one, one)
+        >>> with open_results("two.csv", ResultLayout(("q1_rad",))) as results:
+        ...     results.write(chunk)
+        ...     results.write(chunk)
+        >>> len(read_results("two.csv")[1].ids)
+        2
         """
         try:
             self._write(chunk)
@@ -40,7 +59,17 @@ class ResultWriter(abc.ABC):
             raise ResultFileError(self.path, f"cannot be written: {os_reason(error)}") from error
 
     def close(self) -> None:
-        """Finish the file and move it to its name."""
+        """Finish the file and move it to its name.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import ResultLayout, open_results
+        >>> from pathlib import Path
+        >>> results = open_results("closed.csv", ResultLayout(("q1_rad",)))
+        >>> results.close()
+        >>> Path("closed.csv").exists()
+        True
+        """
         try:
             self._finish()
         except OSError as error:
@@ -49,7 +78,17 @@ class ResultWriter(abc.ABC):
         self._file.commit()
 
     def discard(self) -> None:
-        """Give up: nothing appears at the destination."""
+        """Give up: nothing appears at the destination.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import ResultLayout, open_results
+        >>> from pathlib import Path
+        >>> results = open_results("discarded.csv", ResultLayout(("q1_rad",)))
+        >>> results.discard()
+        >>> Path("discarded.csv").exists()
+        False
+        """
         self._file.discard()
 
     def __enter__(self) -> Self:

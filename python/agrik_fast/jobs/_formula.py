@@ -164,6 +164,18 @@ class FormulaSource:
     ------
     JobError
         The file has faults; names table and key.
+
+    Examples
+    --------
+    >>> from agrik_fast.jobs import FormulaSource
+    >>> from pathlib import Path
+    >>> lines = ["rows = 100", "seed = 1", "rows_per_partition = 50"]
+    >>> for name in ("x_m", "y_m", "z_m"):
+    ...     lines += ["[[random]]", f'column = "{name}"', "from = 0.2", "to = 0.4"]
+    >>> _ = Path("points.toml").write_text(chr(10).join(lines))
+    >>> source = FormulaSource("points.toml")
+    >>> source.count, source.rows
+    (2, 100)
     """
 
     def __init__(self, place: str | PathLike[str]) -> None:

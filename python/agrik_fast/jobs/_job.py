@@ -25,6 +25,15 @@ class JobError(AgrikError, ValueError):
         Path, URL or address.
     reason : str
         What is wrong.
+
+    Examples
+    --------
+    >>> from agrik_fast.jobs import FileSource, JobError
+    >>> try:
+    ...     FileSource("nowhere")
+    ... except JobError as error:
+    ...     print(error.place)
+    nowhere
     """
 
     def __init__(self, place: str, reason: str) -> None:
@@ -46,6 +55,13 @@ class Done:
         Results, of the job's schema.
     counts : mapping of str to int
         How many rows ended how; added up over a partition and over all.
+
+    Examples
+    --------
+    >>> from agrik_fast.jobs import Done
+    >>> import pyarrow
+    >>> Done(pyarrow.table({"x": [1.0]}), {"CONVERGED": 1}).counts
+    {'CONVERGED': 1}
     """
 
     table: Any
@@ -65,6 +81,13 @@ class Job(Protocol):
         What the job is called in records and messages.
     success : str
         Which of the counts is the number of rows that went well.
+
+    Examples
+    --------
+    >>> from agrik_fast.jobs import ForwardJob
+    >>> job = ForwardJob(ik.Robot.load("ur5"))
+    >>> job.name, job.success
+    ('forward', 'finite')
     """
 
     @property
@@ -74,7 +97,14 @@ class Job(Protocol):
     def success(self) -> str: ...
 
     def identity(self) -> Mapping[str, Any]:
-        """Return all that decides the results, as what JSON has words for."""
+        """Return all that decides the results, as what JSON has words for.
+
+        Examples
+        --------
+        >>> from agrik_fast.jobs import SolveJob
+        >>> "robot" in SolveJob(ik.Robot.load("ur5")).identity()
+        True
+        """
 
     def columns(self, schema: Any, refuse: Refusal) -> tuple[str, ...]:
         """Return which columns of a source are read.
@@ -85,13 +115,40 @@ class Job(Protocol):
             Of the source.
         refuse : callable
             Makes the error from what is wrong with the columns.
+
+        Examples
+        --------
+        >>> from agrik_fast.jobs import SolveJob
+        >>> import pyarrow
+        >>> schema = pyarrow.schema([(name, pyarrow.float64()) for name in ("x_m", "y_m", "z_m")])
+        >>> SolveJob(ik.Robot.load("ur5")).columns(schema, ValueError)
+        ('x_m', 'y_m', 'z_m')
         """
 
     def schema(self, source: Any) -> Any:
-        """Return the `pyarrow.Schema` of results for that of a source."""
+        """Return the `pyarrow.Schema` of results for that of a source.
+
+        Examples
+        --------
+        >>> from agrik_fast.jobs import SolveJob
+        >>> import pyarrow
+        >>> schema = pyarrow.schema([(name, pyarrow.float64()) for name in ("x_m", "y_m", "z_m")])
+        >>> "status" in SolveJob(ik.Robot.load("ur5")).schema(schema).names
+        True
+        """
 
     def work(self, batch: Any, first: int) -> Done:
-        """Return the results of a `pyarrow.RecordBatch`, the index of whose first row is given."""
+        """Return the results of a `pyarrow.RecordBatch`, the index of whose first row is given.
+
+        Examples
+        --------
+        >>> from agrik_fast.jobs import SolveJob
+        >>> import pyarrow
+        >>> batch = pyarrow.RecordBatch.from_pydict({"x_m": [0.4], "y_m": [0.2], "z_m": [0.3]})
+        >>> done = SolveJob(ik.Robot.load("ur5")).work(batch, first=0)
+        >>> done.table.num_rows
+        1
+        """
 
 
 @dataclass(frozen=True)
@@ -107,6 +164,13 @@ class Assignment:
         Instruction set that results are made with, or "mixed": bits agree only on one set.
     threads : int
         Threads of a worker.
+
+    Examples
+    --------
+    >>> from agrik_fast.jobs import Assignment, SolveJob
+    >>> job = SolveJob(ik.Robot.load("ur5"))
+    >>> Assignment(job, columns=("x_m", "y_m", "z_m")).threads
+    1
     """
 
     job: Job
@@ -115,7 +179,15 @@ class Assignment:
     threads: int = 1
 
     def identity(self) -> dict[str, Any]:
-        """Return what two results must share to belong together."""
+        """Return what two results must share to belong together.
+
+        Examples
+        --------
+        >>> from agrik_fast.jobs import Assignment, SolveJob
+        >>> job = SolveJob(ik.Robot.load("ur5"))
+        >>> sorted(Assignment(job, columns=("x_m", "y_m", "z_m")).identity())[:2]
+        ['agrik_fast', 'columns']
+        """
         own = {"job": self.job.name, **self.job.identity()}
         more = {"columns": list(self.columns), "simd": self.simd, "agrik_fast": __version__}
         return {**own, **more}

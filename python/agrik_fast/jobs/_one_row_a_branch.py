@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..io import ResultChunk
+from ..io import Extras, ResultChunk, part_of
 from ..result import Branches, Status
 from ..robot import Robot
 from ..tasks import Axis
@@ -23,6 +23,7 @@ def as_rows(
     targets: NDArray[np.float64],
     found: Branches,
     ids: NDArray[Any],
+    extras: Extras,
 ) -> ResultChunk:
     """Return a row for each valid branch of each target, in order.
 
@@ -51,6 +52,7 @@ def as_rows(
         orientation_error=np.where(bad, np.inf, angle),
         iterations=effort,
         restarts=effort,
+        extras=part_of(extras, row),
     )
 
 

@@ -43,6 +43,17 @@ class Finished:
     record : Record
     skipped : bool
         It was there already.
+
+    Examples
+    --------
+    >>> from agrik_fast import jobs
+    >>> np.save("points.npy", np.full((10, 3), 0.3))
+    >>> _ = jobs.split_file("points.npy", "parts", rows=4)
+    >>> source, job = jobs.FileSource("parts"), jobs.SolveJob(ik.Robot.load("ur5"))
+    >>> assignment = jobs.Assignment(job, source.check(job))
+    >>> work = assignment, source.partition(0), jobs.open_store("finished")
+    >>> jobs.run_partition(*work).skipped, jobs.run_partition(*work).skipped
+    (False, True)
     """
 
     record: Record
@@ -84,6 +95,17 @@ def run_partition(
     JobError
         The source is damaged, has other columns than it had, or the store cannot be written; this
         process uses other instructions than the job's.
+
+    Examples
+    --------
+    >>> from agrik_fast import jobs
+    >>> np.save("points.npy", np.full((10, 3), 0.3))
+    >>> _ = jobs.split_file("points.npy", "parts", rows=4)
+    >>> source, job = jobs.FileSource("parts"), jobs.SolveJob(ik.Robot.load("ur5"))
+    >>> assignment = jobs.Assignment(job, source.check(job))
+    >>> store = jobs.open_store("solved")
+    >>> jobs.run_partition(assignment, source.partition(0), store).record.rows
+    4
     """
     here = simd_level()
     if assignment.simd not in (here, MIXED):

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._background import ahead
-from ..io import ResultChunk, TargetChunk
+from ..io import Extras, ResultChunk, TargetChunk, part_of
 
 # A piece is what one call of the solver gets: long enough to keep every core busy, short
 # enough that the bar moves.
@@ -26,8 +26,9 @@ CHUNKS_AHEAD = 2
 PIECES_AHEAD = 4
 
 
-Solve = Callable[[NDArray[np.float64], int, NDArray[Any]], ResultChunk]
-"""Solves targets, the first of which has an index within the file, and which have ids."""
+Solve = Callable[[NDArray[np.float64], int, NDArray[Any], Extras], ResultChunk]
+"""Solves targets, the first of which has an index within the file, and which have ids and columns
+that are passed on."""
 
 
 class Pipeline:
@@ -70,7 +71,8 @@ class Pipeline:
             part = slice(at, at + self._size)
             started = time.perf_counter()
             targets = chunk.targets[part]
-            piece = self._solve(targets, chunk.first + at, chunk.ids[part])
+            extras = part_of(chunk.extras, part)
+            piece = self._solve(targets, chunk.first + at, chunk.ids[part], extras)
             took = time.perf_counter() - started
             self.solve_s += took
             at += len(targets)

@@ -32,6 +32,14 @@ def open_store(
     ------
     JobError
         fsspec, or what it needs for the URL, is missing.
+
+    Examples
+    --------
+    >>> from agrik_fast.jobs import open_store
+    >>> from pathlib import Path
+    >>> store = open_store("stored")
+    >>> type(store).__name__
+    'FolderStore'
     """
     text = fspath(place)
     if text.startswith("file://"):

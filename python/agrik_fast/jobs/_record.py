@@ -34,6 +34,18 @@ class Record:
         Wall clock.
     host, simd, versions, peak_mb
         Where, with which instructions and libraries, and the largest memory of the process.
+
+    Examples
+    --------
+    >>> from agrik_fast import jobs
+    >>> np.save("points.npy", np.full((10, 3), 0.3))
+    >>> _ = jobs.split_file("points.npy", "parts", rows=4)
+    >>> source, job = jobs.FileSource("parts"), jobs.SolveJob(ik.Robot.load("ur5"))
+    >>> assignment = jobs.Assignment(job, source.check(job))
+    >>> work = assignment, source.partition(0), jobs.open_store("recorded")
+    >>> record = jobs.run_partition(*work).record
+    >>> record.first, record.rows, len(record.sha256)
+    (0, 4, 64)
     """
 
     job: str

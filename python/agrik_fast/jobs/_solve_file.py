@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from .._native import __version__
 from ..errors import ArgumentError
 from ..io import (
+    Extras,
     ResultChunk,
     ResultFileError,
     ResultLayout,
@@ -86,6 +87,15 @@ class SolveRequest:
     all_branches : bool
         One row for each branch of a target that `Robot.ik_all` finds within the limits, in
         place of the answer of a solver.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from agrik_fast.jobs import SolveRequest
+    >>> paths = Path("points.npy"), Path("joints.csv")
+    >>> request = SolveRequest("ur5", *paths, seed=7)
+    >>> request.solver, request.seed
+    ('lm', 7)
     """
 
     robot: str
@@ -141,6 +151,16 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     ------
     AgrikError
         For bad arguments and files; nothing is written then, nor after Ctrl-C.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from agrik_fast.jobs import SolveRequest, solve_file
+    >>> np.save("points.npy", [[0.4, 0.2, 0.3], [0.3, 0.1, 0.4]])
+    >>> request = SolveRequest("ur5", Path("points.npy"), Path("joints.csv"))
+    >>> summary = solve_file(request)
+    >>> summary.rows, summary.solved
+    (2, 2)
     """
     started = time.perf_counter()
     progress = Silent() if progress is None else progress
@@ -165,13 +185,20 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
         _metadata(request, robot, task_name),
         letters,
     )
+    # Of two columns of one name the result's own is kept.
+    taken = layout.own_columns
+    layout = replace(layout, extras=tuple(e for e in reader.extras if e.name not in taken))
+    passed_on = {extra.name for extra in layout.extras}
     work = Pipeline(reader.chunks(), _solver(robot, task, request))
     with open_results(request.output, layout, force=request.force) as writer, progress:
         progress.start(f"{robot.name}, {task_name} task", reader.count)
         for note in robot.notes:
             progress.note(note)
         if reader.ignored:
-            progress.note(f"not used: {', '.join(reader.ignored)}")
+            words = [
+                f"{name} (passed on)" if name in passed_on else name for name in reader.ignored
+            ]
+            progress.note(f"not used: {', '.join(words)}")
         waiting: list[ResultChunk] = []
         with contextlib.closing(work.pieces()) as pieces:
             for targets, piece in pieces:
@@ -192,7 +219,9 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
 
 
 def _solver(robot: Robot, task: JobTask, request: SolveRequest) -> Solve:
-    def solve(targets: NDArray[np.float64], first_index: int, ids: NDArray[Any]) -> ResultChunk:
+    def solve(
+        targets: NDArray[np.float64], first_index: int, ids: NDArray[Any], extras: Extras
+    ) -> ResultChunk:
         result = robot.ik(
             targets,
             task=task,
@@ -208,9 +237,11 @@ def _solver(robot: Robot, task: JobTask, request: SolveRequest) -> Solve:
             clear=request.clear,
             prefer=request.prefer,
         )
-        return ResultChunk.of(result, ids)
+        return ResultChunk.of(result, ids, extras)
 
-    def branches(targets: NDArray[np.float64], first_index: int, ids: NDArray[Any]) -> ResultChunk:
+    def branches(
+        targets: NDArray[np.float64], first_index: int, ids: NDArray[Any], extras: Extras
+    ) -> ResultChunk:
         found = robot.ik_all(
             targets,
             request.q0,
@@ -219,7 +250,7 @@ def _solver(robot: Robot, task: JobTask, request: SolveRequest) -> Solve:
             position_tolerance=request.position_tolerance,
             orientation_tolerance=request.orientation_tolerance,
         )
-        return as_rows(robot, task, targets, found, ids)
+        return as_rows(robot, task, targets, found, ids, extras)
 
     return branches if request.all_branches else solve
 

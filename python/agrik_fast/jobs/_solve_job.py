@@ -63,6 +63,13 @@ class SolveJob:
     ArgumentError
         A tolerance or a seed out of its range. What else is wrong is raised by `columns`, in
         the words of `Robot.ik`.
+
+    Examples
+    --------
+    >>> from agrik_fast.jobs import SolveJob
+    >>> job = SolveJob(ik.Robot.load("ur5"), position_tolerance=1e-5)
+    >>> job.name
+    'solve'
     """
 
     robot: Robot
@@ -162,6 +169,12 @@ class ForwardJob:
     Parameters
     ----------
     robot : Robot
+
+    Examples
+    --------
+    >>> from agrik_fast.jobs import ForwardJob
+    >>> ForwardJob(ik.Robot.load("ur5")).name
+    'forward'
     """
 
     robot: Robot

@@ -52,6 +52,15 @@ class Partition:
     origin : mapping
         What tells its input from another; kept in its record.
     data : Rows
+
+    Examples
+    --------
+    >>> from agrik_fast.jobs import FileSource, split_file
+    >>> np.save("points.npy", np.full((10, 3), 0.3))
+    >>> _ = split_file("points.npy", "parts", rows=4)
+    >>> one = FileSource("parts", partition_rows=4).partition(0)
+    >>> one.number, one.rows
+    (0, 4)
     """
 
     number: int
@@ -73,6 +82,14 @@ class Source(Protocol):
         Its columns.
     count, rows : int
         Number of partitions, and of rows.
+
+    Examples
+    --------
+    >>> from agrik_fast.jobs import FileSource, split_file
+    >>> np.save("points.npy", np.full((10, 3), 0.3))
+    >>> _ = split_file("points.npy", "parts", rows=4)
+    >>> FileSource("parts").place
+    'parts'
     """
 
     @property
@@ -85,13 +102,40 @@ class Source(Protocol):
     def rows(self) -> int: ...
 
     def partition(self, number: int) -> Partition:
-        """Return a partition by its number."""
+        """Return a partition by its number.
+
+        Examples
+        --------
+        >>> from agrik_fast.jobs import FileSource, split_file
+        >>> np.save("points.npy", np.full((10, 3), 0.3))
+        >>> _ = split_file("points.npy", "parts", rows=4)
+        >>> FileSource("parts", partition_rows=4).partition(1).first
+        4
+        """
 
     def summary(self) -> dict[str, Any]:
-        """Return what tells the source from another that gives other partitions."""
+        """Return what tells the source from another that gives other partitions.
+
+        Examples
+        --------
+        >>> from agrik_fast.jobs import FileSource, split_file
+        >>> np.save("points.npy", np.full((10, 3), 0.3))
+        >>> _ = split_file("points.npy", "parts", rows=4)
+        >>> sorted(FileSource("parts").summary())
+        ['names', 'partitions', 'rows']
+        """
 
     def check(self, job: Job) -> tuple[str, ...]:
-        """Return the columns that a job reads, or raise if some partition has others."""
+        """Return the columns that a job reads, or raise if some partition has others.
+
+        Examples
+        --------
+        >>> from agrik_fast.jobs import FileSource, SolveJob, split_file
+        >>> np.save("points.npy", np.full((10, 3), 0.3))
+        >>> _ = split_file("points.npy", "parts", rows=4)
+        >>> FileSource("parts").check(SolveJob(ik.Robot.load("ur5")))
+        ('x_m', 'y_m', 'z_m', 'id')
+        """
 
 
 class _Footer(NamedTuple):
@@ -144,6 +188,15 @@ class FileSource:
     ------
     JobError
         No such place, no Parquet file in it, or a damaged one.
+
+    Examples
+    --------
+    >>> from agrik_fast.jobs import FileSource, split_file
+    >>> np.save("points.npy", np.full((10, 3), 0.3))
+    >>> _ = split_file("points.npy", "parts", rows=4)
+    >>> source = FileSource("parts", partition_rows=4)
+    >>> source.count, source.rows
+    (3, 10)
     """
 
     def __init__(

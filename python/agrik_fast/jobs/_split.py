@@ -54,6 +54,13 @@ def split_file(
     ------
     AgrikError
         The file cannot be read, the folder cannot be written or holds files of these names.
+
+    Examples
+    --------
+    >>> from agrik_fast.jobs import split_file
+    >>> np.save("points.npy", np.full((10, 3), 0.3))
+    >>> [path.name for path in split_file("points.npy", "parts", rows=4)]
+    ['part-000000.parquet', 'part-000001.parquet', 'part-000002.parquet']
     """
     whole_number("rows", rows, 1)
     reader = read_targets(targets)

@@ -25,6 +25,16 @@ class Summary:
     counts : dict of Status to int
     total_s, solve_s : float
         Seconds in all, and in the solver alone.
+
+    Examples
+    --------
+    >>> from agrik_fast.jobs import SolveRequest, solve_file
+    >>> from pathlib import Path
+    >>> np.save("points.npy", [[0.4, 0.2, 0.3], [9.0, 0.0, 0.0]])
+    >>> paths = Path("points.npy"), Path("joints.csv")
+    >>> summary = solve_file(SolveRequest("ur5", *paths, force=True))
+    >>> {status.name: count for status, count in summary.counts.items() if count}
+    {'CONVERGED': 1, 'OUT_OF_REACH': 1}
     """
 
     label: str
@@ -37,7 +47,20 @@ class Summary:
     _orientation: Spread = field(default_factory=Spread, repr=False)
 
     def add(self, chunk: ResultChunk) -> None:
-        """Count a chunk; errors are those of solved rows only."""
+        """Count a chunk; errors are those of solved rows only.
+
+        Examples
+        --------
+        >>> from agrik_fast.jobs import SolveRequest, Summary, solve_file
+        >>> from pathlib import Path
+        >>> from agrik_fast.io import read_results
+        >>> np.save("points.npy", [[0.4, 0.2, 0.3]])
+        >>> _ = solve_file(SolveRequest("ur5", Path("points.npy"), Path("a.csv")))
+        >>> summary = Summary("ur5", "position", with_orientation=False)
+        >>> summary.add(read_results("a.csv")[1])
+        >>> summary.rows
+        1
+        """
         for status in Status:
             self.counts[status] += int(np.count_nonzero(chunk.status == status))
         self._position.add(chunk.position_error[chunk.success])
@@ -60,9 +83,25 @@ class Summary:
         return self.rows / self.solve_s if self.solve_s > 0.0 else float("nan")
 
     def position_error(self) -> tuple[float, float]:
-        """Return median (to 1 %) and worst position error of the solved rows, m; NaN if none."""
+        """Return median (to 1 %) and worst position error of the solved rows, m; NaN if none.
+
+        Examples
+        --------
+        >>> from agrik_fast.jobs import Summary
+        >>> median, worst = Summary("ur5", "pose", with_orientation=True).position_error()
+        >>> bool(np.isnan(median))
+        True
+        """
         return self._position.median(), self._position.largest()
 
     def orientation_error(self) -> tuple[float, float]:
-        """Return median (to 1 %) and worst angle of the solved rows, rad; NaN if none."""
+        """Return median (to 1 %) and worst angle of the solved rows, rad; NaN if none.
+
+        Examples
+        --------
+        >>> from agrik_fast.jobs import Summary
+        >>> median, worst = Summary("ur5", "pose", with_orientation=True).orientation_error()
+        >>> bool(np.isnan(worst))
+        True
+        """
         return self._orientation.median(), self._orientation.largest()

@@ -53,6 +53,15 @@ def reproduce(
         `experiments` for a paper that has none.
     AgrikError
         Matplotlib is missing.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> from agrik_fast import papers
+    >>> files = papers.reproduce("fruit", pathlib.Path("out"), print)
+    Traceback (most recent call last):
+        ...
+    agrik_fast.errors.UnknownNameError: unknown paper 'fruit'. Known: ...
     """
     from ..errors import ArgumentError, UnknownNameError
 

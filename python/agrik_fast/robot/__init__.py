@@ -23,11 +23,15 @@ from ._definition import (
     from_urdf,
     urdf_solids,
 )
+from ._degrees import warn_of_degrees
 from ._dh_rows import CONVENTIONS, DhRow, read_table
 from ._inverse import PREFERENCES as PREFERENCES
 from ._inverse import InverseKinematics
 from ._inverse import Prefer as Prefer
 from ._inverse import SceneOf as SceneOf
+from ._joint_path import JointPath
+from ._lines import Lines
+from ._motion_limits import MotionLimits
 from ._path import Path
 from ._plot import COLOURS as COLOURS
 from ._plot import Drawing
@@ -35,7 +39,7 @@ from ._surfaces import LOOKS as LOOKS
 from ._surfaces import Look as Look
 from ._surfaces import Surface
 
-__all__ = ["DhRow", "Path", "Robot", "Surface", "file_schema"]
+__all__ = ["DhRow", "JointPath", "Path", "Robot", "Surface", "file_schema"]
 
 
 def file_schema() -> dict[str, Any]:
@@ -48,6 +52,7 @@ def file_schema() -> dict[str, Any]:
 
     Examples
     --------
+    >>> from agrik_fast.robot import file_schema
     >>> file_schema()["required"]
     ['format', 'name']
     """
@@ -56,7 +61,7 @@ def file_schema() -> dict[str, Any]:
     return RobotFile.model_json_schema()
 
 
-class Robot(InverseKinematics, CollisionBodies, Drawing):
+class Robot(InverseKinematics, CollisionBodies, MotionLimits, Lines, Drawing):
     """A serial arm: joints with limits, a base and a tool transform.
 
     Make one with `Robot.load`, `Robot.from_dh` or `Robot.from_urdf`. A robot never
@@ -139,10 +144,11 @@ class Robot(InverseKinematics, CollisionBodies, Drawing):
         Warns
         -----
         RobotWarning
-            Limits of a URDF, both 0, lock joints.
+            Limits of a URDF, both 0, lock joints; angles look like degrees.
 
         Examples
         --------
+        >>> from agrik_fast import Robot
         >>> Robot.load("panda").dof
         7
         """
@@ -220,8 +226,14 @@ class Robot(InverseKinematics, CollisionBodies, Drawing):
         UnknownNameError
             An unknown key, joint type or convention.
 
+        Warns
+        -----
+        RobotWarning
+            Angles look like degrees.
+
         Examples
         --------
+        >>> from agrik_fast import Robot
         >>> arm = Robot.from_dh([[1, 0, 0, 0], [1, 0, 0, 0]], name="planar")
         >>> arm.joint_types
         ('continuous', 'continuous')
@@ -229,13 +241,20 @@ class Robot(InverseKinematics, CollisionBodies, Drawing):
         word("convention", convention, CONVENTIONS)
         text("name", name)
         table = read_table(rows, limits, joint_types, joint_names)
+        listing = table.listing()
+        warn_of_degrees(
+            name,
+            [(row.name, row.type, row.lower, row.upper) for row in listing],
+            [row.alpha for row in listing],
+            [row.theta for row in listing],
+        )
         definition = Definition(
             method="from_dh",
             arguments=(name, convention, *table),
             base=None if base is None else float_array("base", base).copy(),
             tool=None if tool is None else float_array("tool", tool).copy(),
             convention=convention,
-            dh=table.listing(),
+            dh=listing,
         )
         return cls(definition)
 
@@ -293,10 +312,11 @@ class Robot(InverseKinematics, CollisionBodies, Drawing):
         Warns
         -----
         RobotWarning
-            Limits that are both 0 lock joints.
+            Limits that are both 0 lock joints; limits look like degrees.
 
         Examples
         --------
+        >>> from agrik_fast import Robot
         >>> arm = Robot.from_urdf(
         ...     '<robot name="r"><link name="a"/><link name="b"/><joint name="j" '
         ...     'type="continuous"><parent link="a"/><child link="b"/></joint></robot>'
@@ -313,6 +333,11 @@ class Robot(InverseKinematics, CollisionBodies, Drawing):
 
         Those of the package, and those that other packages bring by the entry points
         ``agrik_fast.robots``.
+
+        Examples
+        --------
+        >>> "ur5" in ik.Robot.names()
+        True
         """
         return _sources.names()
 
@@ -336,6 +361,7 @@ class Robot(InverseKinematics, CollisionBodies, Drawing):
 
         Examples
         --------
+        >>> from agrik_fast import Robot
         >>> import tempfile, pathlib
         >>> path = pathlib.Path(tempfile.mkdtemp()) / "arm.toml"
         >>> Robot.load("ur5").save(path)
@@ -485,6 +511,14 @@ class Robot(InverseKinematics, CollisionBodies, Drawing):
         ------
         ArgumentError
             `q` has another last dimension or holds no numbers.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> arm.fk(np.zeros(6))[:3, 3].round(4) + 0.0
+        array([-0.8172, -0.1914, -0.0055])
+        >>> arm.fk(np.zeros((5, 2, 6))).shape
+        (5, 2, 4, 4)
         """
         return self._chain.fk(q)
 
@@ -505,6 +539,13 @@ class Robot(InverseKinematics, CollisionBodies, Drawing):
         ------
         ArgumentError
             `q` has another last dimension or holds no numbers.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> frames = arm.fk_links(np.zeros(6))
+        >>> len(frames) == len(arm.link_names), np.allclose(frames[-1], arm.fk(np.zeros(6)))
+        (True, True)
         """
         return self._chain.fk_links(q)
 
@@ -526,6 +567,11 @@ class Robot(InverseKinematics, CollisionBodies, Drawing):
         ------
         ArgumentError
             `q` has another last dimension or holds no numbers.
+
+        Examples
+        --------
+        >>> ik.Robot.load("redundant7").jacobian(np.zeros(7)).shape
+        (6, 7)
         """
         return self._chain.jacobian(q)
 
@@ -547,6 +593,14 @@ class Robot(InverseKinematics, CollisionBodies, Drawing):
         ------
         ArgumentError
             Not a rigid transform.
+
+        Examples
+        --------
+        >>> gripper = np.eye(4)
+        >>> gripper[2, 3] = 0.12
+        >>> arm = ik.Robot.load("ur5").with_tool(gripper)
+        >>> arm.reach_radius > ik.Robot.load("ur5").reach_radius
+        True
         """
         return Robot(self._definition.replaced(tool=float_array("tool", tool).copy()))
 
@@ -574,6 +628,14 @@ class Robot(InverseKinematics, CollisionBodies, Drawing):
         ------
         ArgumentError
             Not a rigid transform.
+
+        Examples
+        --------
+        >>> raised = np.eye(4)
+        >>> raised[2, 3] = 0.5
+        >>> arm = ik.Robot.load("ur5")
+        >>> float((arm.with_base(raised).fk(arm.home) - arm.fk(arm.home))[2, 3].round(6))
+        0.5
         """
         return Robot(self._definition.replaced(base=float_array("base", base).copy(), frames={}))
 
@@ -595,6 +657,13 @@ class Robot(InverseKinematics, CollisionBodies, Drawing):
         ------
         UnknownNameError
             No frame has that name.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("strawberry")
+        >>> moved = [arm.in_frame(name).fk(arm.home) for name in arm.frames]
+        >>> all(np.allclose(T, F @ arm.fk(arm.home)) for T, F in zip(moved, arm.frames.values()))
+        True
         """
         known = self._definition.frames
         word("frame", frame, known)
@@ -624,6 +693,13 @@ class Robot(InverseKinematics, CollisionBodies, Drawing):
         ------
         ArgumentError
             A negative number.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> q = arm.random_q(100, seed=1)
+        >>> q.shape, bool(((arm.lower <= q) & (q <= arm.upper)).all())
+        ((100, 6), True)
         """
         sizes = () if n is None else n if isinstance(n, tuple) else (n,)
         shape = tuple(whole_number("n", size, 0) for size in sizes)
@@ -658,6 +734,7 @@ class Robot(InverseKinematics, CollisionBodies, Drawing):
 
         Examples
         --------
+        >>> from agrik_fast import Robot
         >>> Robot.load("ur5").joint_values({"elbow": 0.5}).tolist()
         [0.0, 0.0, 0.5, 0.0, 0.0, 0.0]
         """

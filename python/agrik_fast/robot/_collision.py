@@ -224,6 +224,13 @@ class CollisionBodies:
         ------
         UnknownNameError
             No attached body has that name.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> held = arm.attach(ik.collision.Sphere((0, 0, 0.1), 0.03), "tool", name="fruit")
+        >>> len(held.bodies) - len(held.detach("fruit").bodies)
+        1
         """
         known = [body.name for body in self._definition.attached]
         for name in names:
@@ -244,6 +251,11 @@ class CollisionBodies:
         ------
         ArgumentError
             The robot has no bodies; says how it gets some.
+
+        Examples
+        --------
+        >>> len(ik.Robot.load("panda").compiled_bodies().frames)
+        12
         """
         if self._compiled is None:
             self._compiled = self._compile()
@@ -314,6 +326,11 @@ class CollisionBodies:
         ------
         ArgumentError, UnknownNameError
             There is no such frame.
+
+        Examples
+        --------
+        >>> ik.Robot.load("ur5").frame_number("base"), ik.Robot.load("ur5").frame_number("tool")
+        (0, 7)
         """
         links = self._chain.link_names
         if isinstance(frame, str):

@@ -175,11 +175,12 @@ def collision_faults(raw: Mapping[str, Any]) -> Iterator[Fault]:
 def _frames(raw: Mapping[str, Any]) -> list[str]:
     """Return the names of the frames, those of the links as `Robot.link_names` has them."""
     rows = raw.get("dh") or raw.get("joint")
-    names = [
-        str(row.get("name")) for row in (rows if isinstance(rows, list) else ())
+    links = [
+        str(row.get("link") or f"{row.get('name')}_link")
+        for row in (rows if isinstance(rows, list) else ())
         if isinstance(row, dict)
-    ]  # fmt: skip
-    return ["base", *(f"{name}_link" for name in names), "tool"]
+    ]
+    return ["base", *links, "tool"]
 
 
 def _shape_faults(place: str, row: Mapping[str, Any]) -> Iterator[Fault]:

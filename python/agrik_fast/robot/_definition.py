@@ -18,6 +18,7 @@ from .._checks import FloatArray, items, shown, word
 from .._files import listing
 from .._warnings import warn
 from ..errors import ArgumentError, RobotWarning, UrdfError
+from ._degrees import warn_of_degrees
 from ._dh_rows import DhRow, DhTable
 from ._sources import Source
 
@@ -66,6 +67,8 @@ class Definition:
     notes: tuple[str, ...] = ()
     home: dict[str, float] = field(default_factory=dict)
     """Values of the home posture by joint, as far as they are said."""
+    motion: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    """Velocity, acceleration and jerk limits by joint, as far as they are said."""
     bodies: tuple[Body, ...] = ()
     """Bodies that are known; those of a URDF are read when they are asked for."""
     rules: CollisionRules = field(default_factory=CollisionRules)
@@ -79,6 +82,10 @@ class Definition:
 
     def build(self) -> _native.Chain:
         """Compile the chain."""
+        chain = self._geometry()
+        return chain.with_motion_limits(self.motion) if self.motion else chain
+
+    def _geometry(self) -> _native.Chain:
         if self.method == "from_urdf":
             chain, _ = _native.Chain.from_urdf(*self.arguments)
             chain = chain if self.base is None else chain.with_base(self.base)
@@ -149,6 +156,8 @@ def from_urdf(
         words = "joint" if len(locked) == 1 else "joints"
         said = f"{words} {listing(locked)} cannot move: both limits are 0"
         warn(f"{name or chain.name}: {said}", RobotWarning)
+    limits = zip(chain.joint_names, chain.joint_types, chain.lower, chain.upper, strict=True)
+    warn_of_degrees(name or chain.name, limits)
     places = mesh_places(source.folder, solids.mesh_folders)
     urdf = UrdfGeometry(text, name or "URDF", base, places, solids.cylinder, solids.mesh)
     arguments = (text, base, tip)
@@ -165,6 +174,13 @@ def from_robot_file(path: Path) -> Definition:
 
     content = read(path)
     method, arguments, dh = _dh(content) if content.dh else _joints(content)
+    rows = content.dh or content.joint
+    warn_of_degrees(
+        path.name,
+        [(row.name, row.type, *row.limits) for row in rows],
+        [row.alpha for row in dh or ()],
+        [row.theta for row in dh or ()],
+    )
     hand = content.end_effector
     return Definition(
         method=method,
@@ -180,6 +196,7 @@ def from_robot_file(path: Path) -> Definition:
         dh=dh,
         frames={name: table.matrix() for name, table in content.frames.items()},
         home=content.home(),
+        motion=content.motion(),
         bodies=bodies_of(content.collision, content.provenance),
         rules=content.collision_rules.rules(),
         end_effector=None if hand is None else EndEffector(hand.servo, tuple(hand.moves)),

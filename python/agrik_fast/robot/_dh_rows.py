@@ -33,6 +33,11 @@ class DhRow(NamedTuple):
         (revolute, continuous) or to `d` (prismatic).
     lower, upper : float
         Limits, rad or m; infinite for continuous joints.
+
+    Examples
+    --------
+    >>> ik.Robot.load("puma560").dh[1]._fields
+    ('name', 'type', 'a', 'alpha', 'd', 'theta', 'lower', 'upper')
     """
 
     name: str

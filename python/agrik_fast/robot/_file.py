@@ -4,8 +4,8 @@ A file describes a chain in one of two forms, ``[[dh]]`` rows or ``[[joint]]``
 rows, with optional ``[base]``, ``[tool]``, ``[frames.<name>]``, ``[source]`` and
 ``[provenance]`` tables, and bodies for collisions (``[[collision]]``,
 ``[collision_rules]``). Every number's key ends in its unit: ``_m`` or ``_mm``,
-``_rad`` or ``_deg``. Unknown keys are faults, and all faults of a file are
-reported at once.
+``_rad`` or ``_deg``, with ``_s``, ``_s2``, ``_s3`` behind it for limits of
+motion. Unknown keys are faults, and all faults of a file are reported at once.
 
 pydantic checks types and keys. What needs more than one key (one unit only,
 limits that suit the joint's type, names that exist) is checked on the raw
@@ -26,7 +26,7 @@ from .. import _rotations
 from .._files import decode, listing, parse_toml, read_bytes, shown
 from ..errors import Fault, RobotFileError, nearest_names
 from ._collision_tables import CollisionRulesTable, CollisionTable, collision_faults
-from ._file_checks import NAMED_FAULTS, combined_faults, quantity
+from ._file_checks import MOTION, NAMED_FAULTS, combined_faults, quantity
 
 __all__ = ["DhTable", "JointTable", "MimicTable", "RobotFile", "TransformTable", "read"]
 
@@ -116,6 +116,30 @@ class _Row(_Table):
     """Largest value of a revolute joint, rad."""
     upper_deg: FiniteFloat | None = None
     """The same, degrees."""
+    velocity_m_s: FiniteFloat | None = None
+    """Largest speed of a prismatic joint, m/s."""
+    velocity_mm_s: FiniteFloat | None = None
+    """The same, mm/s."""
+    velocity_rad_s: FiniteFloat | None = None
+    """Largest speed of a turning joint, rad/s."""
+    velocity_deg_s: FiniteFloat | None = None
+    """The same, degrees/s."""
+    acceleration_m_s2: FiniteFloat | None = None
+    """Largest acceleration and deceleration of a prismatic joint, m/s^2."""
+    acceleration_mm_s2: FiniteFloat | None = None
+    """The same, mm/s^2."""
+    acceleration_rad_s2: FiniteFloat | None = None
+    """Largest acceleration and deceleration of a turning joint, rad/s^2."""
+    acceleration_deg_s2: FiniteFloat | None = None
+    """The same, degrees/s^2."""
+    jerk_m_s3: FiniteFloat | None = None
+    """Largest change of the acceleration of a prismatic joint, m/s^3."""
+    jerk_mm_s3: FiniteFloat | None = None
+    """The same, mm/s^3."""
+    jerk_rad_s3: FiniteFloat | None = None
+    """Largest change of the acceleration of a turning joint, rad/s^3."""
+    jerk_deg_s3: FiniteFloat | None = None
+    """The same, degrees/s^3."""
     home_m: FiniteFloat | None = None
     """Value of a prismatic joint in the home posture, m."""
     home_mm: FiniteFloat | None = None
@@ -135,6 +159,13 @@ class _Row(_Table):
             float(_or(quantity(table, "lower"), -np.inf)),
             float(_or(quantity(table, "upper"), np.inf)),
         )
+
+    @property
+    def motion(self) -> tuple[float, float, float]:
+        """Velocity, acceleration and jerk limit, rad or m and s; infinite where unknown."""
+        table = self.model_dump()
+        velocity, acceleration, jerk = (float(_or(quantity(table, x), np.inf)) for x in MOTION)
+        return velocity, acceleration, jerk
 
 
 class DhTable(_Row):
@@ -251,6 +282,15 @@ class RobotFile(_Table):
         rows = [*self.dh, *self.joint]
         said = {row.name: quantity(row.model_dump(), "home") for row in rows}
         return {name: float(value) for name, value in said.items() if value is not None}
+
+    def motion(self) -> dict[str, tuple[float, float, float]]:
+        """Return velocity, acceleration and jerk limits, rad or m and s, by joint.
+
+        Of the joints that have one of them; infinite where the file says nothing.
+        """
+        unknown = (np.inf, np.inf, np.inf)
+        said = {row.name: row.motion for row in (*self.dh, *self.joint)}
+        return {name: limits for name, limits in said.items() if limits != unknown}
 
 
 def read(path: Path) -> RobotFile:

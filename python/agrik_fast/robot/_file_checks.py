@@ -17,6 +17,9 @@ from ..errors import Fault, nearest_names
 _TO_SI = {"m": 1.0, "mm": 1e-3, "rad": 1.0, "deg": math.pi / 180.0}
 _LENGTH, _ANGLE = ("m", "mm"), ("rad", "deg")
 
+MOTION = {"velocity": "_s", "acceleration": "_s2", "jerk": "_s3"}
+"""Limits of motion, and what their units have behind the unit of the joint's value."""
+
 NAMED_FAULTS = 20
 """Faults that are told with the name that was perhaps meant."""
 
@@ -24,10 +27,15 @@ NAMED_FAULTS = 20
 _ORTHONORMAL = 1e-8
 
 
+def key_of(stem: str, unit: str) -> str:
+    """Return the key under which a file has a number, its unit at the end."""
+    return f"{stem}_{unit}{MOTION.get(stem, '')}"
+
+
 def quantity(table: Mapping[str, Any], stem: str) -> Any:
     """Return the number, list or rows under `stem` and any unit, in m or rad; None if absent."""
     for unit, factor in _TO_SI.items():
-        value = table.get(f"{stem}_{unit}")
+        value = table.get(key_of(stem, unit))
         if isinstance(value, list):
             return [
                 [_to_si(x, unit, factor) for x in v] if isinstance(v, list)
@@ -72,6 +80,7 @@ def _faults(raw: Mapping[str, Any]) -> Iterator[Fault]:
         for stem, units in (("a", _LENGTH), ("alpha", _ANGLE), ("d", _LENGTH), ("theta", _ANGLE)):
             yield from one_unit(place, row, stem, units, required=True)
         yield from _limit_faults(place, row)
+        yield from _motion_faults(place, row)
         yield from _home_faults(place, row)
         yield from mark_faults(place, row, marks)
     for index, row in joints:
@@ -79,6 +88,7 @@ def _faults(raw: Mapping[str, Any]) -> Iterator[Fault]:
         yield from transform_faults(place, row)
         yield from _axis_faults(place, row)
         yield from _limit_faults(place, row)
+        yield from _motion_faults(place, row)
         yield from _home_faults(place, row)
         yield from mark_faults(place, row, marks)
     for kind, rows in (("dh", dh), ("joint", joints)):
@@ -107,7 +117,7 @@ def one_unit(
     place: str, table: Mapping[str, Any], stem: str, units: Sequence[str], *, required: bool
 ) -> Iterator[Fault]:
     """Faults of a number that is given in two units, or in none."""
-    keys = [f"{stem}_{unit}" for unit in units]
+    keys = [key_of(stem, unit) for unit in units]
     given = [key for key in keys if key in table]
     if len(given) > 1:
         yield Fault(f"{place}, {stem}", f"given twice, as {' and '.join(given)}")
@@ -135,6 +145,24 @@ def _limit_faults(place: str, row: Mapping[str, Any]) -> Iterator[Fault]:
         yield Fault(f"{place}, lower", f"expected lower <= upper, got {lower:g} > {upper:g}")
 
 
+def _motion_faults(place: str, row: Mapping[str, Any]) -> Iterator[Fault]:
+    kind = row.get("type")
+    units = _LENGTH if kind == "prismatic" else _ANGLE
+    for stem in MOTION:
+        given = [unit for unit in _TO_SI if key_of(stem, unit) in row]
+        for unit in given:
+            key = f"{place}, {key_of(stem, unit)}"
+            if kind == "fixed":
+                yield Fault(key, "a fixed joint does not move")
+            elif unit not in units:
+                want = " or ".join(key_of(stem, unit) for unit in units)
+                yield Fault(key, f"wrong unit for a {kind} joint; expected {want}")
+        yield from one_unit(place, row, stem, units, required=False)
+        value = _number(row, stem)
+        if value is not None and not value > 0.0:
+            yield Fault(f"{place}, {stem}", f"expected a number above 0, got {value:g}")
+
+
 def _home_faults(place: str, row: Mapping[str, Any]) -> Iterator[Fault]:
     kind = row.get("type")
     keys = [f"home_{unit}" for unit in _TO_SI if f"home_{unit}" in row]
@@ -156,7 +184,7 @@ def _home_faults(place: str, row: Mapping[str, Any]) -> Iterator[Fault]:
 
 def _number(table: Mapping[str, Any], stem: str) -> float | None:
     for unit, factor in _TO_SI.items():
-        value = table.get(f"{stem}_{unit}")
+        value = table.get(key_of(stem, unit))
         if isinstance(value, (int, float)) and not isinstance(value, bool):
             return _to_si(value, unit, factor)
     return None
@@ -210,7 +238,7 @@ def mark_faults(place: str, table: Mapping[str, Any], marks: Any) -> Iterator[Fa
     """Faults of the marks that say where the numbers of a table are from."""
     notes = table.get("provenance")
     for key, note in notes.items() if isinstance(notes, dict) else ():
-        if key not in table and not any(f"{key}_{unit}" in table for unit in _TO_SI):
+        if key not in table and not any(key_of(key, unit) in table for unit in _TO_SI):
             yield Fault(f"{place}, provenance.{key}", "names no number of this table")
         mark = note.partition(":")[0] if isinstance(note, str) else None
         if mark is not None and not (isinstance(marks, dict) and mark in marks):

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from .._checks import FloatArray, float_array, truth_value, whole_number, word
 from .._stream import solve_ahead
 from ._path import Path
+from ._targets import Order, as_targets
 
 if TYPE_CHECKING:
     from .._native import Chain, Collider, TargetSolver
@@ -23,9 +24,10 @@ __all__ = ["InverseKinematics"]
 
 
 Prefer: TypeAlias = Literal["first", "near", "clearance"]
-Invalid: TypeAlias = Literal["mark", "raise", "straighten"]
-INVALID = ("mark", "raise", "straighten")
 """Which of several postures that are free of collisions."""
+Invalid: TypeAlias = Literal["mark", "raise", "straighten"]
+"""What becomes of poses that are no rigid transforms."""
+INVALID: tuple[Invalid, ...] = ("mark", "raise", "straighten")
 
 PREFERENCES: tuple[Prefer, ...] = ("first", "near", "clearance")
 """All of them."""
@@ -63,6 +65,7 @@ class InverseKinematics:
         clear: float = 0.0,
         prefer: Prefer = "first",
         invalid: Invalid = "mark",
+        order: Order | None = None,
     ) -> IkResult:
         """Inverse kinematics of a batch of targets.
 
@@ -73,8 +76,11 @@ class InverseKinematics:
 
         Parameters
         ----------
-        targets : array_like, shape (..., 4, 4) or (..., 3)
-            Poses of the tool, or positions of the tool point, in the base frame; m.
+        targets : array_like, shape (..., 4, 4), (..., 3) or (..., 7)
+            Poses of the tool, or positions of the tool point, in the base frame; m. Rows of
+            seven numbers are poses in an `order`. So are poses of SciPy (`RigidTransform`, or a
+            pair of places and `Rotation`), spatialmath and Pinocchio (`SE3`), one or a list, and
+            arrays of libraries with DLPack or ``__array__`` (torch, JAX) on the CPU.
         task : task or {"position", "pose", "axis"}, optional
             What counts as reached, see `agrik_fast.tasks`. Default: "pose" for shape
             (..., 4, 4), "position" for (..., 3).
@@ -125,6 +131,9 @@ class InverseKinematics:
             three or more decimals explains are straightened, with ``Warnings.STRAIGHTENED`` in
             ``warnings``; the others are ``Status.BAD_INPUT``. "straighten": also what is off by
             up to two per cent, as for `agrik_fast.rotations.straighten`. "raise": an error.
+        order : {"xyz_xyzw", "xyz_wxyz", "xyzw_xyz", "wxyz_xyz"}, optional
+            Order of the numbers of targets of shape (..., 7): place, m, and unit quaternion.
+            Those whose length is off by less than 0.001 (for "straighten" 0.02) are rounded.
 
         Returns
         -------
@@ -159,6 +168,8 @@ class InverseKinematics:
         ... )
         True
         """
+        if order is not None or type(targets) is not np.ndarray:
+            targets = as_targets(targets, order, word("invalid", invalid, INVALID))
         return self._chain.ik(
             targets,
             task,
@@ -187,11 +198,13 @@ class InverseKinematics:
         position_tolerance: ArrayLike = 1e-6,
         orientation_tolerance: ArrayLike = 1e-6,
         tolerance_frame: Literal["base", "tool"] | None = None,
+        max_change: ArrayLike | None = None,
     ) -> TargetSolver:
         """Make a solver for one target at a time, for control loops.
 
         Options are read once; its `solve` gives, bit for bit, what `ik` gives for the same
-        target, and allocates nothing after the first call.
+        target, and allocates nothing after the first call. With `max_change` each call is a
+        tick of a loop instead: the posture goes on from the one before and never jumps.
 
         Parameters
         ----------
@@ -199,6 +212,12 @@ class InverseKinematics:
             What counts as reached, see `agrik_fast.tasks`.
         solver, seed, tool, position_tolerance, orientation_tolerance, tolerance_frame
             As for `ik`; step solvers only.
+        max_change : float or array_like, shape (n,), rad or m, optional
+            Largest change of each joint from call to call, above 0: from `q0` of the call, or
+            without it from the answer before. A target that is not reached within the bound has
+            the status ``HELD``: the posture goes to the nearest one that reaches it, or, out of
+            reach, that comes nearest to it, first by place, then by orientation. Without `q0`
+            the first call is free, as `ik` is.
 
         Returns
         -------
@@ -208,11 +227,26 @@ class InverseKinematics:
         Raises
         ------
         ArgumentError
-            As for `ik`.
+            As for `ik`; a `max_change` that is not above 0.
+
+        Examples
+        --------
+        A target that jumps by half a metre out of reach, and the arm that stretches towards it:
+
+        >>> from agrik_fast import Robot, Status
+        >>> arm = Robot.load("panda")
+        >>> q = arm.home + 0.2
+        >>> loop = arm.solver(max_change=0.01)
+        >>> target = arm.fk(q)
+        >>> target[:3, 3] += [1.0, 0.0, 0.0]
+        >>> loop.solve(target, q)
+        False
+        >>> Status(loop.status).name, bool(abs(loop.q - q).max() <= 0.01)
+        ('HELD', True)
         """
         tolerances = (position_tolerance, orientation_tolerance, tolerance_frame)
-        recipe = (_solver, (self, task, solver, seed, tool, *tolerances))
-        return self._chain.solver(task, solver, seed, tool, *tolerances, recipe)
+        recipe = (_solver, (self, task, solver, seed, tool, *tolerances, max_change))
+        return self._chain.solver(task, solver, seed, tool, *tolerances, max_change, recipe)
 
     def follow(
         self,
@@ -227,6 +261,7 @@ class InverseKinematics:
         position_tolerance: ArrayLike = 1e-6,
         orientation_tolerance: ArrayLike = 1e-6,
         tolerance_frame: Literal["base", "tool"] | None = None,
+        order: Order | None = None,
     ) -> Path:
         """Follow a sequence of targets, every posture the continuation of the one before.
 
@@ -238,8 +273,9 @@ class InverseKinematics:
 
         Parameters
         ----------
-        targets : array_like, shape (n, 4, 4) or (n, 3)
-            Poses of the tool, or positions of the tool point, in order, base frame; m.
+        targets : array_like, shape (n, 4, 4), (n, 3) or (n, 7)
+            Poses of the tool, or positions of the tool point, one after the other, base frame;
+            m. Of any kind that `ik` takes.
         q0 : array_like, shape (dof,), rad or m, optional
             Where the arm stands before the first target, within the limits. Without it the
             first posture is free.
@@ -252,6 +288,8 @@ class InverseKinematics:
         pull : float, default 0.5
             Share of the way back to the posture before that each solver step goes in the
             null space of the task; 0 to 1.
+        order : str, optional
+            Of targets of shape (n, 7), as for `ik`.
 
         Returns
         -------
@@ -264,7 +302,18 @@ class InverseKinematics:
             A wrong shape, type or value of an argument; start values out of the limits.
         KeyboardInterrupt
             Ctrl-C.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> q = np.radians([30.0, -100.0, 110.0, -100.0, -90.0, 0.0])
+        >>> line = np.repeat(arm.fk(q)[None], 11, axis=0)
+        >>> line[:, 0, 3] += np.linspace(0.0, 0.05, 11)
+        >>> arm.follow(line, q, max_joint_step=0.05)
+        Path(11 targets: 11 reached, 0 discontinuities)
         """
+        if order is not None or type(targets) is not np.ndarray:
+            targets = as_targets(targets, order, "mark")
         result, jumps = self._chain.follow(
             targets,
             max_joint_step,
@@ -323,6 +372,13 @@ class InverseKinematics:
         ------
         ArgumentError
             A step solver, several targets, or a wrong argument as in `ik`.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> history = arm.cost_history([0.4, 0.2, 0.3], "de", seed=1)
+        >>> bool(history[-1] < history[0])
+        True
         """
         return self._chain.cost_history(target, solver, task, q0, seed, tool)
 
@@ -354,6 +410,7 @@ class InverseKinematics:
         wrap: bool = False,
         task: Task | str | None = None,
         invalid: Invalid = "mark",
+        order: Order | None = None,
     ) -> Branches:
         """Every branch of the inverse kinematics: all real solutions of each target.
 
@@ -366,9 +423,9 @@ class InverseKinematics:
 
         Parameters
         ----------
-        targets : array_like, shape (..., 4, 4) or (..., 3)
+        targets : array_like, shape (..., 4, 4), (..., 3) or (..., 7)
             Poses of the tool in the base frame, or positions of the tool point where the
-            task is one; m.
+            task is one; m. Of any kind that `ik` takes.
         q0 : array_like, shape broadcastable to (..., n), rad, optional
             Of the values a whole turn apart that a joint's limits allow, the one nearest to
             this is returned, and angles that a singularity leaves open are taken from it.
@@ -403,6 +460,8 @@ class InverseKinematics:
             "position" for arms of three. Default: by the shape of the targets, as for `ik`.
         invalid : {"mark", "raise", "straighten"}, default "mark"
             As for `ik`.
+        order : str, optional
+            Of targets of shape (..., 7), as for `ik`.
 
         Returns
         -------
@@ -453,6 +512,8 @@ class InverseKinematics:
         >>> branches.q.shape
         (512, 7)
         """
+        if order is not None or type(targets) is not np.ndarray:
+            targets = as_targets(targets, order, word("invalid", invalid, INVALID))
         return self._chain.ik_all(
             targets,
             q0,
@@ -491,6 +552,12 @@ class InverseKinematics:
         ------
         ArgumentError
             The arm is no S-R-S arm, or `q` has another last dimension.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("redundant7")
+        >>> float(arm.arm_angle([0.4, 0.7, 0.2, 1.5, 0.3, 0.6, 0.1]).round(4))
+        0.1294
         """
         return self._chain.arm_angle(q)
 
@@ -517,6 +584,13 @@ class InverseKinematics:
         ------
         ArgumentError
             The arm is no S-R-S arm, or the target is no rigid transform.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("redundant7")
+        >>> intervals = arm.arm_angle_intervals(arm.fk([0.4, 0.7, 0.2, 1.5, 0.3, 0.6, 0.1]))
+        >>> len(intervals), intervals[0].shape[1]
+        (8, 2)
         """
         found = self._chain.arm_angle_intervals(target, tool)
         return tuple(np.array(one, dtype=np.float64).reshape(-1, 2) for one in found)
@@ -539,6 +613,7 @@ class InverseKinematics:
         clear: float = 0.0,
         prefer: Prefer = "first",
         invalid: Invalid = "mark",
+        order: Order | None = None,
     ) -> Iterator[IkResult]:
         """Inverse kinematics of a stream of chunks, for more targets than memory holds.
 
@@ -548,9 +623,9 @@ class InverseKinematics:
 
         Parameters
         ----------
-        chunks : iterable of array_like, each of shape (..., 4, 4) or (..., 3)
+        chunks : iterable of array_like, each of shape (..., 4, 4), (..., 3) or (..., 7)
             Targets as for `ik`; some tens of thousands in a chunk keep all cores busy.
-        task, solver, seed, tool, threads, scene, clear, prefer, invalid : optional
+        task, solver, seed, tool, threads, scene, clear, prefer, invalid, order : optional
             As for `ik`, the same for all chunks.
         position_tolerance, orientation_tolerance, tolerance_frame : optional
             As for `ik`, the same for all chunks.
@@ -568,6 +643,13 @@ class InverseKinematics:
         ------
         ArgumentError, UnknownNameError
             As `ik`, when the chunk's result is asked for; `first_index` at once.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> chunks = (arm.fk(arm.random_q(100, seed=k)) for k in range(3))
+        >>> sum(int(part.success.sum()) for part in arm.ik_stream(chunks))
+        300
         """
         first_index = whole_number("first_index", first_index, 0, 2**64 - 1)
         handle = _collider(self, scene)
@@ -589,6 +671,7 @@ class InverseKinematics:
                 clear=clear,
                 prefer=prefer,
                 invalid=invalid,
+                order=order,
             )
 
         return solve_ahead(chunks, solve, first_index)
@@ -609,6 +692,7 @@ def _solver(
     position_tolerance: ArrayLike,
     orientation_tolerance: ArrayLike,
     tolerance_frame: Literal["base", "tool"] | None,
+    max_change: ArrayLike | None = None,
 ) -> TargetSolver:
     """Make a solver again, as its pickle says."""
     return robot.solver(
@@ -619,4 +703,5 @@ def _solver(
         position_tolerance=position_tolerance,
         orientation_tolerance=orientation_tolerance,
         tolerance_frame=tolerance_frame,
+        max_change=max_change,
     )

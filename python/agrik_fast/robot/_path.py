@@ -33,6 +33,14 @@ class Path:
         than a joint step, or the target was not reached at all.
     joint_step : ndarray, shape (n, dof), rad or m
         Change of each joint from the posture before; 0 in the first row without a start.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("ur5")
+    >>> q = np.full(6, 0.5)
+    >>> path = arm.follow(arm.fk([q, q + 0.02]), q)
+    >>> path.q.shape, bool(path.success.all()), int(path.discontinuity.sum())
+    ((2, 6), True, 0)
     """
 
     q: FloatArray

@@ -67,6 +67,11 @@ class Drawing:
         ------
         UrdfError
             A mesh is missing (says where it was looked for) or broken.
+
+        Examples
+        --------
+        >>> ik.Robot.load("panda").visuals()
+        ()
         """
         looks = self._definition.looks
         return () if looks is None else visuals(looks, cast("Robot", self).link_names)
@@ -132,6 +137,12 @@ class Drawing:
         ------
         ArgumentError
             `q` has another last dimension or holds no numbers.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("panda")
+        >>> len(arm.frames_of(arm.home)) == len(arm.link_names) + 1
+        True
         """
         return frames_of(cast("Robot", self), float_array("q", q))
 

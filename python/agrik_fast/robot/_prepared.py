@@ -45,6 +45,7 @@ def read(path: Path) -> Definition | None:
             "dh": None if rows is None else tuple(DhRow(*row) for row in rows),
             "frames": {name: np.array(pose) for name, pose in fields["frames"].items()},
             "notes": tuple(fields["notes"]),
+            "motion": {name: tuple(limits) for name, limits in fields["motion"].items()},
             "end_effector": _hand(fields["end_effector"]),
             "bodies": tuple(_body(body) for body in fields["bodies"]),
             "rules": CollisionRules(**fields["rules"]),

@@ -16,9 +16,14 @@ from .._checks import truth_value
 from .._native import Chain
 from ..errors import AgrikError, ArgumentError, RobotFileError
 from ._definition import Definition
+from ._file_checks import MOTION, key_of
 
 # What the keys of a file without units in mm and degrees are called.
-_IN_SI = {"_mm": "_m", "_deg": "_rad"}
+_IN_SI = {
+    f"_{old}{behind}": f"_{new}{behind}"
+    for old, new in (("mm", "m"), ("deg", "rad"))
+    for behind in ("", *MOTION.values())
+}
 
 
 def write(definition: Definition, chain: Chain, path: str | PathLike[str], *, force: bool) -> None:
@@ -59,10 +64,15 @@ def tables(definition: Definition, chain: Chain) -> dict[str, Any]:
         specs = chain.joints()
         names = [spec["name"] for spec in specs]
         content["joint"] = [_joint(spec, names) for spec in specs]
+    motion = dict(chain.joint_motion_limits())
     for row in content.get("dh", content.get("joint", [])):
+        unit = "m" if row["type"] == "prismatic" else "rad"
         if row["name"] in definition.home:
-            unit = "m" if row["type"] == "prismatic" else "rad"
             row[f"home_{unit}"] = definition.home[row["name"]]
+        if row["type"] != "fixed":
+            for stem, limit in zip(MOTION, motion.get(row["name"], ()), strict=False):
+                if math.isfinite(limit):
+                    row[key_of(stem, unit)] = limit
     if definition.end_effector is not None:
         servo, moves = definition.end_effector
         content["end_effector"] = {"servo": servo, "moves": list(moves)}
@@ -154,5 +164,5 @@ def _explain(content: dict[str, Any], notes: Mapping[str, str]) -> None:
         table = places.get(place, {})
         if key.startswith("rpy") and "rotation" in table:
             key = "rotation"
-        if key in table or any(f"{key}{unit}" in table for unit in _IN_SI.values()):
+        if key in table or any(key_of(key, unit) in table for unit in ("m", "rad")):
             table.setdefault("provenance", {})[key] = note

@@ -104,6 +104,7 @@ def load_gains(
 
     Examples
     --------
+    >>> from agrik_fast.solvers import StateSpace, load_gains
     >>> load_gains("hydrolek_k15_cma", StateSpace, as_tuned=True).robot
     'hydrolek'
     """

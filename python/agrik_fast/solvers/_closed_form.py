@@ -40,6 +40,14 @@ class ClosedForm:
     ------
     ArgumentError
         A field is out of its range.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("puma560")
+    >>> pose = arm.fk(np.full(6, 0.5))
+    >>> result = arm.ik(pose, solver=ik.solvers.ClosedForm(choose="margin"))
+    >>> bool(result.success), int(result.iterations)
+    (True, 0)
     """
 
     name: ClassVar[str] = "closed_form"

@@ -63,6 +63,11 @@ class _FromFile:
 
         Short for ``solvers.load_gains(source, kind, as_tuned=as_tuned)`` with this class as
         the kind.
+
+        Examples
+        --------
+        >>> ik.solvers.StateSpace.load("hydrolek_k15_cma", as_tuned=True).max_restarts
+        0
         """
         from . import load_gains
 
@@ -92,6 +97,13 @@ class CyclicCoordinateDescent(FeedbackLoop):
     ----------
     Olsen and Petersen, "Inverse kinematics by numerical and analytical cyclic coordinate
     descent", Robotica 29(4), 2011.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("hydrolek")
+    >>> point = arm.fk(np.full(6, 0.1))[:3, 3]
+    >>> bool(arm.ik(point, solver=ik.solvers.CyclicCoordinateDescent()).success)
+    True
     """
 
     name: ClassVar[str] = "ccd"
@@ -137,6 +149,11 @@ class IkPid(_FromFile, FeedbackLoop):
     ------
     ArgumentError
         A field is out of its range.
+
+    Examples
+    --------
+    >>> ik.solvers.IkPid(kp=0.02, kd=0.1).order
+    'tip-first'
     """
 
     name: ClassVar[str] = "ik-pid"
@@ -202,6 +219,11 @@ class StateSpace(_FromFile, FeedbackLoop):
     ------
     ArgumentError
         Matrices whose sizes do not fit, or a field out of its range.
+
+    Examples
+    --------
+    >>> ik.solvers.StateSpace.load("hydrolek_full90_cma", as_tuned=True).start
+    'zero'
     """
 
     name: ClassVar[str] = "state-space"
@@ -250,7 +272,14 @@ class StateSpace(_FromFile, FeedbackLoop):
         return 0.0 if self.A is None else float(abs(np.linalg.eigvals(np.array(self.A))).max())
 
     def static_gain(self) -> NDArray[np.float64]:
-        """Return ``C (I - A)^-1 B``, what the system settles to, in its own units."""
+        """Return ``C (I - A)^-1 B``, what the system settles to, in its own units.
+
+        Examples
+        --------
+        >>> solver = ik.solvers.StateSpace.load("hydrolek_full90_cma", as_tuned=True)
+        >>> solver.static_gain().shape
+        (6, 3)
+        """
         if self.A is None or self.B is None or self.C is None:
             raise ArgumentError("StateSpace", "no matrices", "A, B and C")
         a, b, c = np.array(self.A), np.array(self.B), np.array(self.C)
@@ -289,6 +318,12 @@ class StaticGain(_FromFile, FeedbackLoop):
     ------
     ArgumentError
         A matrix of the wrong size, or a field out of its range.
+
+    Examples
+    --------
+    >>> solver = ik.solvers.StaticGain(K=np.full((6, 3), 0.1))
+    >>> np.shape(solver.K)
+    (6, 3)
     """
 
     name: ClassVar[str] = "static-gain"
@@ -348,6 +383,13 @@ class Broyden(FeedbackLoop):
     ----------
     Broyden, "A class of methods for solving nonlinear simultaneous equations",
     Mathematics of Computation 19(92), 1965.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("hydrolek")
+    >>> point = arm.fk(np.full(6, 0.1))[:3, 3]
+    >>> bool(arm.ik(point, solver=ik.solvers.Broyden()).success)
+    True
     """
 
     name: ClassVar[str] = "broyden"
@@ -377,6 +419,12 @@ class Broyden(FeedbackLoop):
             Where K, the units, the frame, the start and the robot are taken from.
         **fields
             Other fields of the new solver.
+
+        Examples
+        --------
+        >>> gain = ik.solvers.StaticGain(K=np.full((6, 3), 0.1))
+        >>> ik.solvers.Broyden.from_gain(gain, patience=4).patience
+        4
         """
         settled: object = gain.K if isinstance(gain, StaticGain) else gain.static_gain()
         given: dict[str, object] = {

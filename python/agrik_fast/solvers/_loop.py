@@ -23,6 +23,11 @@ class Loop:
     ------
     ArgumentError
         A field is out of its range.
+
+    Examples
+    --------
+    >>> ik.solvers.Transpose(max_iterations=500, max_restarts=3).max_restarts
+    3
     """
 
     max_iterations: int
@@ -51,6 +56,11 @@ class JacobianLoop(Loop):
     ------
     ArgumentError
         A field is out of its range.
+
+    Examples
+    --------
+    >>> ik.solvers.LevenbergMarquardt(max_step=0.2).max_step
+    0.2
     """
 
     max_step: float = 1.0
@@ -73,6 +83,11 @@ class FeedbackLoop(Loop):
         A field is out of its range.
     UnknownNameError
         No start has that name.
+
+    Examples
+    --------
+    >>> ik.solvers.CyclicCoordinateDescent(start="zero").start
+    'zero'
     """
 
     start: str = "sampled"

@@ -91,6 +91,7 @@ class DifferentialEvolution:
 
     Examples
     --------
+    >>> from agrik_fast.solvers import DifferentialEvolution
     >>> DifferentialEvolution(population=100).population
     100
     >>> DifferentialEvolution.paper().boundary
@@ -132,6 +133,12 @@ class DifferentialEvolution:
         middle, 200 generations, no polish, no restart. The population (100) and the
         weights (1 per mm, 100 per rad of ZYZ angles) are not published; these fit the
         published costs.
+
+        Examples
+        --------
+        >>> recipe = ik.solvers.DifferentialEvolution.paper()
+        >>> recipe.generations, recipe.population, recipe.polish
+        (200, 100, False)
         """
         return cls(
             population=100,
@@ -204,6 +211,12 @@ class GeneticAlgorithm:
     ----------
     Deb and Agrawal, "Simulated binary crossover for continuous search space", Complex
     Systems 9, 1995.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("ur5")
+    >>> bool(arm.ik([0.4, 0.2, 0.3], solver=ik.solvers.GeneticAlgorithm(), seed=1).success)
+    True
     """
 
     name: ClassVar[str] = "ga"

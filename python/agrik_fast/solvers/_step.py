@@ -37,6 +37,13 @@ class LevenbergMarquardt(JacobianLoop):
     ----------
     Sugihara, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt
     method", IEEE Transactions on Robotics 27(5), 2011.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("ur5")
+    >>> patient = ik.solvers.LevenbergMarquardt(max_iterations=20)
+    >>> bool(arm.ik([0.4, 0.2, 0.3], solver=patient).success)
+    True
     """
 
     name: ClassVar[str] = "lm"
@@ -71,6 +78,13 @@ class DampedLeastSquares(JacobianLoop):
     Nakamura and Hanafusa, "Inverse kinematic solutions with singularity robustness for
     robot manipulator control", ASME Journal of Dynamic Systems, Measurement, and Control
     108(3), 1986.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("ur5")
+    >>> solver = ik.solvers.DampedLeastSquares(damping=0.02)
+    >>> bool(arm.ik([0.4, 0.2, 0.3], solver=solver).success)
+    True
     """
 
     name: ClassVar[str] = "dls"
@@ -99,6 +113,12 @@ class PseudoInverse(JacobianLoop):
     ------
     ArgumentError
         A field is out of its range.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("ur5")
+    >>> bool(arm.ik([0.4, 0.2, 0.3], solver=ik.solvers.PseudoInverse(cutoff=1e-4)).success)
+    True
     """
 
     name: ClassVar[str] = "pinv"
@@ -130,6 +150,12 @@ class Transpose(JacobianLoop):
     ----------
     Buss, "Introduction to inverse kinematics with Jacobian transpose, pseudoinverse and
     damped least squares methods", 2004.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("ur5")
+    >>> bool(arm.ik([0.4, 0.2, 0.3], solver=ik.solvers.Transpose()).success)
+    True
     """
 
     name: ClassVar[str] = "transpose"
@@ -155,6 +181,12 @@ class ClosedPseudoInverse(JacobianLoop):
     ------
     ArgumentError
         A field is out of its range.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("ur5")
+    >>> bool(arm.ik([0.4, 0.2, 0.3], solver=ik.solvers.ClosedPseudoInverse()).success)
+    True
     """
 
     name: ClassVar[str] = "pinv-closed"
@@ -189,6 +221,13 @@ class Plain:
     ------
     ArgumentError
         A field is out of its range.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("ur5")
+    >>> textbook = ik.solvers.Plain(solver=ik.solvers.PseudoInverse(), start="middle")
+    >>> arm.ik([[0.4, 0.2, 0.3]], solver=textbook).restarts.tolist()
+    [0]
     """
 
     name: ClassVar[str] = "plain"

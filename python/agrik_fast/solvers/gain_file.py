@@ -153,7 +153,15 @@ def _check_share(name: str, solved: int | None, goals: int | None) -> None:
 
 
 class GainFile(_Table):
-    """A gain file's content."""
+    """A gain file's content.
+
+    Examples
+    --------
+    >>> from agrik_fast.solvers import gain_file
+    >>> content = gain_file.read("ur5_static_cma")
+    >>> content.solver, content.robot
+    ('static-gain', 'ur5')
+    """
 
     format: Literal[1] = 1
     """Version of this form: 1."""
@@ -183,6 +191,12 @@ class GainFile(_Table):
         ------
         ArgumentError
             Gains are missing or do not fit together.
+
+        Examples
+        --------
+        >>> from agrik_fast.solvers import gain_file
+        >>> type(gain_file.read("ur5_static_cma").make()).__name__
+        'StaticGain'
         """
         given = self.gains.model_dump(exclude_none=True)
         wanted = {"state-space": "ABC", "static-gain": "K", "ik-pid": ("kp", "ki", "kd")}
@@ -207,7 +221,14 @@ class GainFile(_Table):
 
 
 def bundled() -> tuple[str, ...]:
-    """Return the names of the bundled gain sets, sorted."""
+    """Return the names of the bundled gain sets, sorted.
+
+    Examples
+    --------
+    >>> from agrik_fast.solvers import gain_file
+    >>> "hydrolek_k15_cma" in gain_file.bundled()
+    True
+    """
     return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 
 
@@ -230,6 +251,12 @@ def read(source: str | PathLike[str]) -> GainFile:
         Neither a file nor a bundled set.
     GainFileError
         The file holds no valid gains; says what is wrong and where.
+
+    Examples
+    --------
+    >>> from agrik_fast.solvers import gain_file
+    >>> gain_file.read("hydrolek_k15_cma").robot
+    'hydrolek'
     """
     return _read(source)[0]
 
@@ -265,7 +292,14 @@ def _read(source: str | PathLike[str]) -> tuple[GainFile, StateSpace | StaticGai
 def load(
     source: str | PathLike[str], kind: type[_SolverT], as_tuned: bool | None = None
 ) -> _SolverT:
-    """Return the solver of a gain file; see `agrik_fast.solvers.load_gains`."""
+    """Return the solver of a gain file; see `agrik_fast.solvers.load_gains`.
+
+    Examples
+    --------
+    >>> from agrik_fast.solvers import StateSpace, gain_file
+    >>> gain_file.load("hydrolek_k15_cma", StateSpace, as_tuned=True).start
+    'zero'
+    """
     names: dict[object, str] = {known: known.name for known in (StateSpace, StaticGain, IkPid)}
     if kind not in names:
         raise ArgumentError("kind", repr(kind), "StateSpace, StaticGain or IkPid")
@@ -344,6 +378,15 @@ def write(path: Path, content: GainFile, *, force: bool = True) -> None:
         Another suffix.
     GainFileError
         The file cannot be written, or exists and `force` is False.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> from agrik_fast.solvers import gain_file
+    >>> content = gain_file.read("ur5_static_cma")
+    >>> gain_file.write(pathlib.Path("gains.toml"), content)
+    >>> gain_file.read("gains.toml") == content
+    True
     """
     force = truth_value("force", force)
     refuse = partial(GainFileError, str(path))

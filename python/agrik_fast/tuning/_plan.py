@@ -88,6 +88,12 @@ class Tuning:
         default.
     threads : int, optional
         Number of threads.
+
+    Examples
+    --------
+    >>> from agrik_fast.tuning import Tuning
+    >>> Tuning(solver="static-gain", goals=500).method
+    'pso'
     """
 
     solver: str = "state-space"
@@ -140,6 +146,12 @@ class Tuning:
             Whose gains.
         **fields
             Other fields that are to differ from the usual ones.
+
+        Examples
+        --------
+        >>> from agrik_fast.tuning import Tuning
+        >>> Tuning.usual("ik-pid").method, Tuning.usual("ik-pid", goals=100).goals
+        ('cma', 100)
         """
         word("solver", solver, SOLVERS)
         return cls(solver=solver, **(_USUAL.get(solver, {}) | fields))
@@ -232,6 +244,12 @@ def template(robot: Robot, tuning: Tuning) -> Gains:
 
     Half a pseudo-inverse, the gain of solvers without matrices, as it is or as the settled
     gain of a state space; for IK-PID the published gains, scaled by the robot's reach.
+
+    Examples
+    --------
+    >>> from agrik_fast.tuning import Tuning, template
+    >>> np.shape(template(ik.Robot.load("hydrolek"), Tuning(solver="static-gain")).K)
+    (6, 3)
     """
     common: dict[str, Any] = {
         "start": tuning.start,

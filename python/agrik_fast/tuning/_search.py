@@ -37,7 +37,15 @@ LAW = "joint values uniform in the limits (SplitMix64)"
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """How far a search has come."""
+    """How far a search has come.
+
+    Examples
+    --------
+    >>> from agrik_fast.tuning import Report
+    >>> report = Report(evaluations=40, wanted=400, cost=1.5)
+    >>> f"{report.evaluations / report.wanted:.0%}"
+    '10%'
+    """
 
     evaluations: int
     """Gain sets judged."""
@@ -88,6 +96,14 @@ def tune(
         A value out of its range.
     GainFileError
         The checkpoint is another run's or damaged, or exists already without `resume`.
+
+    Examples
+    --------
+    >>> from agrik_fast.tuning import Tuning, tune
+    >>> quick = Tuning(solver="static-gain", goals=50, evaluations=80, runs=1, refinement=0)
+    >>> content = tune(ik.Robot.load("tomato"), quick)
+    >>> content.solver, content.success.goals
+    ('static-gain', 1000)
     """
     if store is not None and not callable(store):
         raise ArgumentError("store", shown(store), "a function that takes the gain file, or None")

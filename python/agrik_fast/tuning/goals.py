@@ -35,6 +35,12 @@ def splitmix64(seed: int, count: int) -> FloatArray:
     -------
     ndarray, shape (count,)
         Numbers in [0, 1) with 53 random bits.
+
+    Examples
+    --------
+    >>> from agrik_fast.tuning import goals
+    >>> goals.splitmix64(seed=1, count=2).round(6)
+    array([0.566562, 0.745782])
     """
     seed = whole_number("seed", seed, 0, 2**64 - 1)
     return uniform(seed, 0, whole_number("count", count, 0))
@@ -44,6 +50,12 @@ def joint_uniform_q(robot: Robot, count: int, seed: int) -> FloatArray:
     """Return joint values uniform in the limits, shape (count, n), rad or m.
 
     Row by row, joint by joint from one stream; continuous joints in [-pi, pi).
+
+    Examples
+    --------
+    >>> from agrik_fast.tuning import goals
+    >>> goals.joint_uniform_q(ik.Robot.load("ur5"), 10, seed=1).shape
+    (10, 6)
     """
     lower = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
     upper = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
@@ -53,7 +65,14 @@ def joint_uniform_q(robot: Robot, count: int, seed: int) -> FloatArray:
 
 
 def joint_uniform(robot: Robot, count: int, seed: int) -> FloatArray:
-    """Return tool points at postures uniform in the limits, shape (count, 3), m."""
+    """Return tool points at postures uniform in the limits, shape (count, 3), m.
+
+    Examples
+    --------
+    >>> from agrik_fast.tuning import goals
+    >>> goals.joint_uniform(ik.Robot.load("ur5"), 10, seed=1).shape
+    (10, 3)
+    """
     return robot.fk(joint_uniform_q(robot, count, seed))[:, :3, 3]
 
 
@@ -84,6 +103,12 @@ def volume_uniform(
     -------
     ndarray, shape (count, 3)
         Points, m; each is the tool point of a posture within the limits.
+
+    Examples
+    --------
+    >>> from agrik_fast.tuning import goals
+    >>> goals.volume_uniform(ik.Robot.load("tomato"), 10, seed=1, draws=20_000).shape
+    (10, 3)
     """
     count = whole_number("count", count, 1)
     draws = whole_number("draws", draws, 1)

@@ -149,6 +149,14 @@ def playable(
     ------
     AgrikError
         It is neither, or that of another arm.
+
+    Examples
+    --------
+    >>> from agrik_fast.viewer import playable
+    >>> np.save("points.npy", [[0.4, 0.2, 0.3]])
+    >>> q, targets = playable(ik.Robot.load("ur5"), "points.npy")
+    >>> q is None, targets.shape
+    (True, (1, 3))
     """
     from ._ways import Way, read_way
 

@@ -8,12 +8,14 @@ mod errors;
 mod files;
 mod harvest;
 mod ik;
+mod motion;
 mod records;
 mod result;
 mod robot;
 mod single_use;
 mod solvers;
 mod threads;
+mod time_law;
 
 use pyo3::prelude::*;
 
@@ -49,6 +51,10 @@ mod _native {
     #[pymodule_export]
     use ik::control::TargetSolver;
     #[pymodule_export]
+    use motion::check::{motion_check, motion_words};
+    #[pymodule_export]
+    use motion::plan::motion_plan;
+    #[pymodule_export]
     use result::{IkResult, ik_result, statuses};
     #[pymodule_export]
     use robot::chain::Chain;
@@ -58,6 +64,8 @@ mod _native {
     use solvers::tune::Tuner;
     #[pymodule_export]
     use threads::{get_num_threads, set_num_threads, simd_level};
+    #[pymodule_export]
+    use time_law::Motion;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

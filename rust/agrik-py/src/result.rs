@@ -2,7 +2,11 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use agrik::call::{Answers, Status};
+use agrik::call::{Aim, Answers, Status};
+use agrik::chain::{Chain, DhConvention};
+use agrik::solve::{DH, Sensitivity, TWIST};
+use agrik::task::Task;
+use agrik::threads::share;
 use agrik_motion::{Collider, Contact};
 use numpy::{Element, PyArray, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -76,6 +80,22 @@ impl<T: Element + Copy> Column<T> {
     }
 }
 
+/// Rows whose derivatives a thread works out at a time.
+const PIECE: usize = 1024;
+
+/// Which question answers belong to.
+#[derive(Debug, Clone)]
+pub struct Origin {
+    pub chain: Arc<Chain>,
+    /// Of a chain that was made from such rows.
+    pub convention: Option<DhConvention>,
+    pub aim: Aim,
+    /// The targets are poses, not points.
+    pub are_poses: bool,
+    /// The targets have no direction in common.
+    pub turns: bool,
+}
+
 /// Answers of one `Robot.ik` call; arrays have the targets' leading shape.
 #[pyclass(frozen, module = "agrik_fast._native")]
 pub struct IkResult {
@@ -96,6 +116,8 @@ pub struct IkResult {
     collider: Option<Arc<Collider>>,
     /// What that gave, of a record that came from elsewhere: clearances and nearest pairs.
     near: Option<(Py<PyAny>, Py<PyAny>)>,
+    /// What was asked, of a record that is a call's own or a part of it.
+    origin: Option<Box<Origin>>,
 }
 
 impl IkResult {
@@ -123,7 +145,13 @@ impl IkResult {
             warnings: Vec::new(),
             collider: None,
             near: None,
+            origin: None,
         }
+    }
+
+    /// The same record, of answers to a question.
+    pub fn to(self, origin: Origin) -> Self {
+        Self { origin: Some(Box::new(origin)), ..self }
     }
 
     /// The same record with warnings, one a row or none at all.
@@ -134,6 +162,36 @@ impl IkResult {
     /// The same record, of answers that were to keep clear of something.
     pub fn in_scene(self, collider: Option<Arc<Collider>>) -> Self {
         Self { collider, ..self }
+    }
+
+    /// Works out some numbers of each answer; those of targets that were not reached are 0.
+    fn derivatives(
+        &self,
+        py: Python<'_>,
+        numbers: usize,
+        work: impl Fn(&[f64], &mut [f64]) + Sync,
+    ) -> PyResult<Vec<f64>> {
+        let (q, success) = (self.q(py)?, self.success(py)?);
+        // Another thread may write to the arrays meanwhile.
+        let q = q.try_readonly().map_err(internal)?.as_slice().map_err(internal)?.to_vec();
+        let success =
+            success.try_readonly().map_err(internal)?.as_slice().map_err(internal)?.to_vec();
+        let mut out = vec![0.0; success.len() * numbers];
+        let mut signals = Signals::new();
+        let done = py.detach(|| {
+            let rows = q.chunks(PIECE * self.dof).zip(success.chunks(PIECE));
+            let pieces = rows.zip(out.chunks_mut(PIECE * numbers)).collect();
+            let piece = |((q, success), out): ((&[f64], &[bool]), &mut [f64])| {
+                work(q, out);
+                for (out, success) in out.chunks_mut(numbers).zip(success) {
+                    if !success {
+                        out.fill(0.0);
+                    }
+                }
+            };
+            share(pieces, 0, &piece, &mut || signals.go_on_detached())
+        });
+        if done { Ok(out) } else { Err(signals.exception(py, agrik::Error::Interrupted)) }
     }
 
     /// What is nearest to a collision in each row.
@@ -231,6 +289,55 @@ impl IkResult {
         let shape = [&self.shape[..], &[2]].concat();
         let flat = PyArray::from_vec(py, names);
         flat.call_method1("reshape", (shape,)).map(Some)
+    }
+
+    /// How the joint values follow their targets, or the rows of the arm.
+    #[pyo3(signature = (wrt="target"))]
+    fn jacobian_of_q<'py>(
+        &self,
+        py: Python<'py>,
+        wrt: &str,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let Some(origin) = &self.origin else {
+            let received = "a result without its question, as one that was pickled";
+            let expected = "a result of Robot.ik, or some of its rows";
+            return Err(errors::argument(py, "jacobian_of_q", received, expected));
+        };
+        let Origin { chain, convention, aim, are_poses, turns } = &**origin;
+        if aim.task() == Task::PositionFirst {
+            let expected = "another task: its orientation is no function of the joint values";
+            return Err(errors::argument(py, "jacobian_of_q", "task 'position-first'", expected));
+        }
+        let sensitivity = Sensitivity { chain, aim, turns: *turns };
+        let mut shape = self.shape.clone();
+        shape.push(self.dof);
+        match (wrt, convention) {
+            ("target", _) => {
+                let size = self.dof * TWIST;
+                let all = self.derivatives(py, size, |q, out| sensitivity.by_target(q, out))?;
+                if *are_poses {
+                    shape.push(TWIST);
+                    return array(py, &shape, all);
+                }
+                // Points do not turn.
+                shape.push(TWIST / 2);
+                let ways = all.as_chunks::<TWIST>().0.iter();
+                array(py, &shape, ways.flat_map(|twist| [twist[0], twist[1], twist[2]]).collect())
+            }
+            ("dh", Some(convention)) => {
+                let rows = chain.joints().len();
+                let size = self.dof * rows * DH;
+                let all =
+                    self.derivatives(py, size, |q, out| sensitivity.by_dh(*convention, q, out))?;
+                shape.extend([rows, DH]);
+                array(py, &shape, all)
+            }
+            ("dh", None) => {
+                let expected = "\"target\": the robot was not made from DH rows";
+                Err(errors::argument(py, "wrt", "\"dh\"", expected))
+            }
+            (other, _) => Err(errors::unknown_name(py, "wrt", other, &["target", "dh"])),
+        }
     }
 
     fn __len__(slf: &Bound<'_, Self>) -> PyResult<usize> {
@@ -335,7 +442,7 @@ pub(crate) fn column<T: Element + Copy>(
 #[pyfunction]
 #[pyo3(signature = (
     q, status, position_error, orientation_error, iterations, restarts, warnings,
-    clearance=None, nearest_pair=None
+    clearance=None, nearest_pair=None, like=None
 ))]
 #[allow(clippy::too_many_arguments)]
 pub fn ik_result(
@@ -348,6 +455,7 @@ pub fn ik_result(
     warnings: &Bound<'_, PyAny>,
     clearance: Option<Py<PyAny>>,
     nearest_pair: Option<Py<PyAny>>,
+    like: Option<&Bound<'_, IkResult>>,
 ) -> PyResult<IkResult> {
     let (mut wide, q_values) = column("q", q)?;
     let dof = wide.pop().unwrap_or_default();
@@ -376,6 +484,7 @@ pub fn ik_result(
     }
     let mut made = IkResult::new(shape, dof, answers).with_warnings(warnings);
     made.near = clearance.zip(nearest_pair);
+    made.origin = like.and_then(|record| record.get().origin.clone());
     Ok(made)
 }
 

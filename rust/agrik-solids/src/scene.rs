@@ -204,6 +204,12 @@ impl Scene {
         self.hit(solid, exempt, clear).is_some()
     }
 
+    /// True where the solid comes to `reach` (m) or less of an object, whatever clearances say.
+    pub fn hits_plain(&self, solid: &Solid, exempt: &Exemption, reach: f64) -> bool {
+        let limit = |_| reach;
+        self.phase.any_within(Asking::Solid(solid), &exempt.0, reach, limit).is_some()
+    }
+
     /// An object that [`Scene::hits`] is true for, or none. Which one of several is not said,
     /// but always the same.
     pub fn hit(&self, solid: &Solid, exempt: &Exemption, clear: f64) -> Option<usize> {
@@ -226,6 +232,21 @@ impl Scene {
     pub fn distance(&self, solid: &Solid, exempt: &Exemption, cap: f64) -> f64 {
         let found = self.phase.nearest(Asking::Solid(solid), &exempt.0, cap);
         found.map_or(cap, |found| found.distance)
+    }
+
+    /// By how much farther than is to be kept the solid is from every object, m, and `cap`
+    /// where that is less: from `clear`, or from the clearance of the object itself where that
+    /// is more. 0 or less exactly where [`Scene::hits`] is true.
+    pub fn margin(&self, solid: &Solid, exempt: &Exemption, clear: f64, cap: f64) -> f64 {
+        if self.clearance <= clear {
+            return self.distance(solid, exempt, clear + cap) - clear;
+        }
+        let mut least = cap;
+        self.phase.each_within(Asking::Solid(solid), &exempt.0, self.clearance + cap, |found| {
+            let keep = self.objects[found.label as usize].clearance.max(clear);
+            least = least.min(found.distance - keep);
+        });
+        least
     }
 
     /// [`Scene::distance`] of the spheres of a cover: of the nearest of them.

@@ -11,6 +11,7 @@ pub mod call;
 pub mod chain;
 pub mod closed_form;
 pub mod kinematics;
+pub mod nearest;
 pub mod solve;
 pub mod solvers;
 pub mod task;

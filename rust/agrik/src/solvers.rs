@@ -5,7 +5,8 @@ use crate::call::{AnswersMut, Prefer, Request, Solve};
 use crate::closed_form::{ArmAngle, Choice, Query};
 use crate::error::Result;
 use crate::lanes::Level;
-use crate::solve::{Climb, Plan, Settings, population};
+use crate::nearest::{Nearest, Nearness};
+use crate::solve::{Climb, Plan, Refined, Settings, population};
 
 /// A solver with its settings.
 #[derive(Debug, Clone)]
@@ -69,11 +70,28 @@ impl Solver {
 
     /// A request to this solver, checked and ready.
     pub fn call<'a>(&self, request: Request<'a>) -> Result<Call<'a>> {
-        let call = self.plain_call(request)?;
+        let is_loop = matches!(self, Self::Step(s) if !s.plain && !s.step.is_feedback());
+        let call = match request.second().filter(|_| !is_loop) {
+            None => self.plain_call(request)?,
+            Some(second) => {
+                let call = self.plain_call(request.without_second())?;
+                Call::Refined(Box::new(Refined::new(request, second, call)?))
+            }
+        };
         match request.guard().filter(|guard| guard.prefer == Prefer::Clearance) {
             Some(guard) => Ok(Call::Climb(Box::new(Climb::new(request, guard, call)?))),
             None => Ok(call),
         }
+    }
+
+    /// The same, whose answers are the nearest ones to the start values.
+    pub fn nearest_call<'a>(
+        &self,
+        request: Request<'a>,
+        nearness: &'a Nearness,
+    ) -> Result<Call<'a>> {
+        let call = self.call(request)?;
+        Ok(Call::Nearest(Box::new(Nearest::new(request, nearness, call)?)))
     }
 
     fn plain_call<'a>(&self, request: Request<'a>) -> Result<Call<'a>> {
@@ -110,6 +128,10 @@ pub enum Call<'a> {
     Query(Query<'a>),
     /// Of a closed form, with the default step solver behind it.
     Auto(Auto<'a>),
+    /// Of any of them, whose answers are moved to where a second aim is best.
+    Refined(Box<Refined<'a, Self>>),
+    /// Of any of them, whose answers are replaced by nearer ones.
+    Nearest(Box<Nearest<'a, Self>>),
     /// Of any of them, whose answers are moved away from what they must not hit.
     Climb(Box<Climb<'a, Self>>),
 }
@@ -122,6 +144,8 @@ impl Call<'_> {
             Self::Evolution(evolution) => evolution,
             Self::Query(query) => query,
             Self::Auto(auto) => auto,
+            Self::Refined(refined) => &**refined,
+            Self::Nearest(nearest) => &**nearest,
             Self::Climb(climb) => &**climb,
         }
     }

@@ -45,7 +45,7 @@ def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -
     say("searches")
     runs, seconds = search_runs(programme)
     say("tables")
-    files = write_tables(directory, scene, runs, seconds)
+    files = write_tables(directory, scene, programme, runs, seconds)
     say("settings of the genetic algorithm")
     head = ["setting", "median J", "best J", "worst J", "runs of 20 within 1 mm"]
     files.append(write_csv(directory / "ablation.csv", head, ablation(programme)))

@@ -31,6 +31,8 @@ pub(crate) struct Mount {
     pub link: usize,
     /// The solid in the frame of the last of them, or in the world where none does.
     pub solid: Solid,
+    /// Points whose hull its core is, in the same frame, m.
+    pub points: Vec<Point>,
 }
 
 impl Bodies {
@@ -233,7 +235,8 @@ fn mounts(chain: &Chain, bodies: &[Body]) -> Result<Vec<Mount>> {
                 pose_of(&(moving.inverse().to_homogeneous() * at))
             }
         };
-        Ok(Mount { link, solid: body.shape.placed(&pose)? })
+        let solid = body.shape.placed(&pose)?;
+        Ok(Mount { link, points: solid.core().extreme_points(), solid })
     };
     bodies.iter().map(mount).collect()
 }

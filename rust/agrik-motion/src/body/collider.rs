@@ -5,7 +5,8 @@ use std::sync::Arc;
 use agrik_compute::Allowed;
 use agrik_compute::lanes::{dot, sub};
 use agrik_solids::{
-    Core, Cover, Cuboid, Exemption, Nearest, Point, Scene, Solid, closest, distance_within, within,
+    Core, Cover, Cuboid, Exemption, Nearest, Point, Pose, Scene, Solid, closest, distance_within,
+    within,
 };
 
 use super::bodies::Bodies;
@@ -180,6 +181,53 @@ impl Collider {
         if own { self.own_clearance(placed, scene) } else { scene }
     }
 
+    /// Distance of the bodies from the scene, each of them shifted by a vector, m.
+    pub(super) fn shifted_clearance(&self, placed: &Placed, shifts: &[Point]) -> f64 {
+        self.asked.iter().fold(f64::INFINITY, |least, &body| {
+            let exempt = self.exemption(placed, body);
+            let at = Pose { translation: shifts[body], ..Pose::IDENTITY };
+            let solid = placed.solids()[body].placed(&at);
+            match self.covered(body, &solid) {
+                None => self.scene.distance(&solid, exempt, least),
+                Some(spheres) => {
+                    spheres.nearest(&self.scene, exempt, least).map_or(least, |(d, _)| d)
+                }
+            }
+        })
+    }
+
+    /// By how much farther than is to be kept a body that lies as `solid` is from every object
+    /// that it minds, m, and `cap` where that is less; see [`Scene::margin`].
+    pub(crate) fn margin(
+        &self,
+        (body, solid): (usize, &Solid),
+        exempt: &Exemption,
+        clear: f64,
+        cap: f64,
+    ) -> f64 {
+        match self.covered(body, solid) {
+            None => self.scene.margin(solid, exempt, clear, cap),
+            Some(spheres) => spheres.margin(&self.scene, exempt, clear, cap),
+        }
+    }
+
+    /// What a body does not mind away from the target.
+    pub(crate) fn usual_exemption(&self, body: usize) -> &Exemption {
+        &self.exempt[body]
+    }
+
+    /// What a body does not mind near the target, the target's place, and how near that is, m.
+    pub(crate) fn touch_exemption(&self, body: usize) -> Option<(&Exemption, Point, f64)> {
+        let (exempt, target, radius2) = self.zone.as_ref()?;
+        let more = exempt[body] != self.exempt[body];
+        more.then(|| (&exempt[body], *target, radius2.sqrt()))
+    }
+
+    /// Bodies that are asked about the scene, likely hits first.
+    pub(crate) fn asked(&self) -> &[usize] {
+        &self.asked
+    }
+
     /// Distance of the nearest pair of bodies, and `cap` where that is less, m.
     pub fn own_clearance(&self, placed: &Placed, cap: f64) -> f64 {
         self.pairs.iter().fold(cap, |least, &(i, j)| {
@@ -344,6 +392,23 @@ impl Spheres<'_> {
             }
         }
         best
+    }
+
+    /// [`Scene::margin`] of the sphere that has least.
+    fn margin(&self, scene: &Scene, exempt: &Exemption, clear: f64, cap: f64) -> f64 {
+        let mut least = cap;
+        let mut open = vec![(0, 0)];
+        while let Some((level, index)) = open.pop() {
+            let Some(sphere) = self.sphere(level, index) else { continue };
+            let slack = if level == self.level { 0.0 } else { self.beyond(level) };
+            let found = scene.margin(&sphere, exempt, clear, least + slack);
+            if level == self.level {
+                least = least.min(found);
+            } else if found < least + slack {
+                open.extend((0..8).rev().map(|child| (level + 1, 8 * index + child)));
+            }
+        }
+        least
     }
 
     fn hits(&self, scene: &Scene, exempt: &Exemption, clear: f64) -> bool {

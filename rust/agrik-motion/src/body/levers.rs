@@ -6,9 +6,9 @@
 //!
 //! Levers stand in rows, one a joint value, of one entry a body.
 
-use agrik::chain::JointKind;
+use agrik::chain::{JointKind, Link};
 use agrik_compute::lanes::{cross, dot, sub};
-use agrik_solids::Point;
+use agrik_solids::{Point, Pose};
 
 use super::bodies::Bodies;
 use super::placed::Placed;
@@ -53,23 +53,17 @@ impl Bodies {
     pub fn local_levers(&self, placed: &Placed, margin: &[f64]) -> Vec<f64> {
         let (links, count) = (&self.chain().compiled().links, self.len());
         let mut levers = vec![0.0; self.chain().dof() * count];
+        let (mut points, mut of_links) = (Vec::new(), vec![0.0; links.len()]);
         for body in 0..count {
-            let points = placed.solids()[body].core().extreme_points();
-            // How far joints further out may take the body.
-            let mut moved = 0.0;
-            for (i, link) in links[..self.moved_by(body)].iter().enumerate().rev() {
-                let lever = if link.prismatic {
-                    1.0
-                } else {
-                    let axis = placed.frame(i);
-                    let [x, y, z] = axis.rotation;
-                    let direction = [x[2], y[2], z[2]];
-                    let away = |p: &Point| norm(&cross(direction, sub(*p, axis.translation)));
-                    points.iter().map(away).fold(0.0, f64::max) + moved
-                };
-                let factor = link.multiplier.abs();
-                levers[link.variable * count + body] += factor * lever;
-                moved += factor * lever * margin[link.variable].abs();
+            let links = &links[..self.moved_by(body)];
+            let mount = &self.mounts()[body];
+            let pose = placed.frame(mount.link);
+            points.clear();
+            points.extend(mount.points.iter().map(|p| pose.point(*p)));
+            let way = |link: &Link| (link.multiplier * margin[link.variable]).abs();
+            link_levers(links, placed.frames(), &points, way, &mut of_links);
+            for (link, lever) in links.iter().zip(&of_links) {
+                levers[link.variable * count + body] += link.multiplier.abs() * lever;
             }
         }
         levers
@@ -96,6 +90,33 @@ impl Bodies {
     /// Extreme points of a body's core in its own frame, m.
     fn extreme_points_in_frame(&self, body: usize) -> Vec<Point> {
         self.bodies()[body].shape.extreme_points()
+    }
+}
+
+/// Levers of points that all of some links carry, one a link, while each joint stays within
+/// `way` (rad or m) of where `frames` has it: the frame before each link, and more behind.
+pub(crate) fn link_levers(
+    links: &[Link],
+    frames: &[Pose],
+    points: &[Point],
+    mut way: impl FnMut(&Link) -> f64,
+    levers: &mut [f64],
+) {
+    // How far joints further out may take the points.
+    let mut moved = 0.0;
+    for (i, link) in links.iter().enumerate().rev() {
+        levers[i] = if link.prismatic {
+            1.0
+        } else {
+            let [x, y, z] = frames[i].rotation;
+            let (axis, origin) = ([x[2], y[2], z[2]], frames[i].translation);
+            let square = |p: &Point| {
+                let across = cross(axis, sub(*p, origin));
+                dot(across, across)
+            };
+            points.iter().map(square).fold(0.0, f64::max).sqrt() + moved
+        };
+        moved += levers[i] * way(link);
     }
 }
 

@@ -75,6 +75,11 @@ impl Placed {
         &self.poses[joints]
     }
 
+    /// All of them, from that of no joint on.
+    pub(crate) fn frames(&self) -> &[Pose] {
+        &self.poses
+    }
+
     /// Centre and radius of a sphere round a body, m.
     pub fn sphere(&self, body: usize) -> (Point, f64) {
         self.spheres[body]

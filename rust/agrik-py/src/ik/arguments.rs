@@ -5,7 +5,7 @@
 //! keeps the first half and only takes the second. Who has a choice of solvers reads that
 //! argument (`solvers::solver::chosen`).
 
-use agrik::call::{Aim, Near, Request, Starts, Tolerance};
+use agrik::call::{Aim, Near, Request, Second, Starts, Tolerance};
 use agrik::chain::{Chain, Tail};
 use agrik::closed_form::ArmAngle;
 use agrik::task::{MaskFrame, Task};
@@ -16,7 +16,7 @@ use pyo3::types::{PyFloat, PyString};
 
 use super::straighten::{Invalid, Mended};
 use super::targets::{Targets, first_not_rigid, goals, not_rigid_error};
-use super::task;
+use super::{second, task};
 use crate::convert::{self, Floats, numbers, shape_text, transform};
 use crate::{errors, threads};
 
@@ -35,6 +35,8 @@ pub struct Arguments<'a, 'py> {
     pub first_index: Option<&'a Bound<'py, PyAny>>,
     /// What becomes of poses that are no rigid transforms.
     pub invalid: Option<&'a str>,
+    /// What the freedom of answers is used for.
+    pub second_aim: Option<&'a Bound<'py, PyAny>>,
 }
 
 /// What the targets of a call share.
@@ -46,6 +48,7 @@ pub struct Options {
     pub first_index: u64,
     /// 0: the number in force.
     pub threads: usize,
+    pub second: Option<Second>,
 }
 
 impl Options {
@@ -62,6 +65,7 @@ impl Options {
             seed: convert::index("seed", given.seed)?,
             first_index: convert::index("first_index", given.first_index)?,
             threads: threads::number(given.threads, "threads")?,
+            second: second::second(chain, given.second_aim)?,
         })
     }
 }
@@ -119,6 +123,14 @@ impl<'py> Given<'py> {
             Self::One(q) => Starts::One(q.values()?),
             Self::Each(q) => Starts::Each(q.values()?),
         })
+    }
+}
+
+/// Numbers of an argument that has one for all joints, or one for each.
+pub fn each_joint(argument: &str, value: &Bound<'_, PyAny>, dof: usize) -> PyResult<Vec<f64>> {
+    match convert::real(argument, value) {
+        Ok(one) => Ok(vec![one; dof]),
+        Err(_) => Ok(Floats::of_shape(argument, value, &[dof])?.values()?.to_vec()),
     }
 }
 
@@ -189,16 +201,20 @@ impl<'py> Call<'py> {
         chain: &'a Chain,
         points: &'a mut Vec<[f64; 3]>,
     ) -> PyResult<Request<'a>> {
-        let Options { direction, aim, seed, first_index, .. } = &self.options;
+        let Options { direction, aim, seed, first_index, second, .. } = &self.options;
         let are_poses = self.targets.are_poses();
         let values = match &self.mended {
             Some(mended) => &mended.poses[..],
             None => self.targets.values()?,
         };
         let goals = goals(values, are_poses, *direction, points);
-        Request::new(chain, *aim, goals, self.q0.starts()?)
+        let request = Request::new(chain, *aim, goals, self.q0.starts()?)
             .map(|request| request.with_seed(*seed, *first_index))
-            .map_err(|error| errors::from_core(py, error))
+            .map_err(|error| errors::from_core(py, error))?;
+        Ok(match second {
+            Some(second) => request.with_second(second),
+            None => request,
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use agrik::call::{Guard, solve as solve_call};
-use agrik::chain::Chain;
+use agrik::chain::{Chain, DhConvention};
 use agrik::closed_form::{self, Ask, Choice, ClosedForm, Query};
 use agrik::lanes::Level;
 use agrik::solve::population::Evolution;
@@ -14,11 +14,12 @@ use pyo3::prelude::*;
 use super::arguments::{Arguments, ArmAngles, Call};
 use super::branches::Branches;
 use super::locked::Locked;
+use super::second::nearness;
 use super::signals::Signals;
 use crate::collision::guard;
 use crate::convert::{self, shape_text};
 use crate::errors;
-use crate::result::IkResult;
+use crate::result::{IkResult, Origin};
 use crate::solvers::solver::chosen;
 
 /// Targets from which on all branches are written to an array of NumPy's.
@@ -29,9 +30,11 @@ const MOST_VALUES: u64 = 100_000;
 /// Solves the targets of a call.
 pub fn solve(
     py: Python<'_>,
-    chain: &Chain,
+    chain: &Arc<Chain>,
+    convention: Option<DhConvention>,
     given: &Arguments<'_, '_>,
     scene: &guard::Given<'_, '_>,
+    near: (Option<&Bound<'_, PyAny>>, Option<&Bound<'_, PyAny>>),
 ) -> PyResult<IkResult> {
     let call = Call::new(py, chain, given)?;
     let mut points = Vec::new();
@@ -43,7 +46,12 @@ pub fn solve(
     }
     let solver = chosen(given.solver, chain.name())?;
     let threads = call.options.threads;
-    let ready = solver.call(request).map_err(|error| errors::from_core(py, error))?;
+    let nearness = nearness(py, chain, near.0, near.1)?;
+    let ready = match &nearness {
+        None => solver.call(request),
+        Some(nearness) => solver.nearest_call(request, nearness),
+    };
+    let ready = ready.map_err(|error| errors::from_core(py, error))?;
     let mut signals = Signals::new();
     // A single target takes less time than it takes to let the interpreter go and get it back.
     let answers = if request.len() <= 1 && !matches!(solver, Solver::Population(_)) {
@@ -55,6 +63,13 @@ pub fn solve(
         Ok(answers) => {
             let shape = call.targets.leading_shape().to_vec();
             let made = IkResult::new(shape, chain.dof(), answers).with_warnings(call.warnings());
+            let made = made.to(Origin {
+                chain: Arc::clone(chain),
+                convention,
+                aim: call.options.aim,
+                are_poses: call.targets.are_poses(),
+                turns: call.options.direction.is_none(),
+            });
             Ok(made.in_scene(scene.as_ref().map(|scene| Arc::clone(&scene.collider))))
         }
         Err(error) => Err(signals.exception(py, error)),

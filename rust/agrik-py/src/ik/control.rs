@@ -10,13 +10,13 @@ use std::sync::{Arc, Mutex};
 use agrik::call::{Answers, Goals, Starts, Status, solve_into};
 use agrik::chain::Chain;
 use agrik::lanes::Level;
-use agrik::solve::Setup;
+use agrik::solve::{Setup, Tracker};
 use numpy::{PyArray1, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use smallvec::{SmallVec, smallvec};
 
-use super::arguments::{Options, read_doubles};
+use super::arguments::{Options, each_joint, read_doubles};
 use super::signals::Signals;
 use super::straighten::{Invalid, Mended};
 use super::targets::{Targets, first_not_rigid};
@@ -67,11 +67,20 @@ impl Last {
     }
 }
 
+/// How a target is solved.
+enum Work {
+    /// By itself.
+    Alone(Setup),
+    /// As a tick of a loop whose joints change by no more than a bound; with it the answer to
+    /// the first tick, where nobody says where the arm stands.
+    Loop(Setup, Mutex<Tracker>),
+}
+
 /// A solver for one target at a time; see `agrik_fast.Robot.solver`.
 #[pyclass(frozen, module = "agrik_fast._native")]
 pub struct TargetSolver {
     chain: Arc<Chain>,
-    setup: Setup,
+    work: Work,
     /// Direction of the tool axis where targets are points, unit length.
     direction: Option<[f64; 3]>,
     seed: u64,
@@ -89,14 +98,28 @@ impl TargetSolver {
         chain: Arc<Chain>,
         solver: Option<&Bound<'_, PyAny>>,
         options: Options,
+        max_change: Option<&Bound<'_, PyAny>>,
         recipe: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
-        let Options { direction, aim, seed, first_index, .. } = options;
+        let Options { direction, aim, seed, first_index, second, .. } = options;
         let settings = step_settings(solver, chain.name())?;
-        let setup = Setup::new(&chain, aim, settings);
+        let from_core = |error| errors::from_core(py, error);
+        let mut setup = Setup::new(&chain, aim, settings.clone()).map_err(from_core)?;
+        if let Some(second) = &second {
+            setup = setup.with_second(second.clone());
+        }
+        let work = match max_change {
+            None => Work::Alone(setup),
+            Some(most) => {
+                let most = each_joint("max_change", most, chain.dof())?;
+                let tracker =
+                    Tracker::new(&chain, aim, settings, most, second).map_err(from_core)?;
+                Work::Loop(setup, Mutex::new(tracker))
+            }
+        };
         let answers = Answers::new(1, chain.dof());
         Ok(Self {
-            setup: setup.map_err(|error| errors::from_core(py, error))?,
+            work,
             last: Last::new(&answers),
             recipe,
             answers: Mutex::new(answers),
@@ -162,17 +185,40 @@ impl TargetSolver {
             Goals::Positions { points: values.as_chunks().0, direction }
         };
         let (seed, first_index) = (self.seed, self.first_index);
-        let plan = self
-            .setup
-            .plan(&self.chain, goals, starts, seed, first_index)
-            .map_err(|error| errors::from_core(py, error))?;
-        let mut answers = take_turn(&self.answers).ok_or_else(|| {
+        let busy = || {
             let instead = "make one for each thread with Robot.solver";
             errors::concurrent_use(py, "this solver", instead)
-        })?;
+        };
+        let mut answers = take_turn(&self.answers).ok_or_else(busy)?;
         let mut signals = Signals::new();
-        solve_into(Level::in_use(), &plan, 1, &mut answers, &mut || signals.go_on_attached(py))
+        let (level, at) = (Level::in_use(), (seed, first_index));
+        let setup = match &self.work {
+            Work::Alone(setup) => setup,
+            Work::Loop(setup, tracker) => {
+                let mut tracker = take_turn(tracker).ok_or_else(busy)?;
+                if let Some(start) = &start {
+                    tracker.stand(start);
+                }
+                if tracker.has_started() {
+                    tracker
+                        .tick(level, &self.chain, goals, at, &mut answers)
+                        .map_err(|error| errors::from_core(py, error))?;
+                    self.last.set(&answers);
+                    return Ok(answers.success(0));
+                }
+                setup
+            }
+        };
+        let plan = setup
+            .plan(&self.chain, goals, starts, seed, first_index)
+            .map_err(|error| errors::from_core(py, error))?;
+        solve_into(level, &plan, 1, &mut answers, &mut || signals.go_on_attached(py))
             .map_err(|error| signals.exception(py, error))?;
+        if let Work::Loop(_, tracker) = &self.work
+            && answers.status[0] != Status::BadInput as u8
+        {
+            take_turn(tracker).ok_or_else(busy)?.stand(&answers.q);
+        }
         self.last.set(&answers);
         Ok(answers.success(0))
     }

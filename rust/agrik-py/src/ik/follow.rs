@@ -6,7 +6,7 @@ use agrik::solve::Follow;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
-use super::arguments::{Arguments, Call};
+use super::arguments::{Arguments, Call, each_joint};
 use super::signals::Signals;
 use crate::convert::{Floats, array, real};
 use crate::errors;
@@ -19,8 +19,8 @@ pub struct Along<'a, 'py> {
     pub pull: &'a Bound<'py, PyAny>,
 }
 
-/// Answers, and which of them are no continuation.
-pub type Followed<'py> = (IkResult, Bound<'py, PyArrayDyn<bool>>);
+/// Answers, which of them are no continuation, and shares of the steps that joints took.
+pub type Followed<'py> = (IkResult, Bound<'py, PyArrayDyn<bool>>, Bound<'py, PyArrayDyn<f64>>);
 
 /// Follows the targets of a call.
 pub fn follow<'py>(
@@ -38,12 +38,7 @@ pub fn follow<'py>(
         return Err(errors::argument(py, "targets", &received, expected));
     }
     let q0 = along.q0.map(|q0| Floats::of_shape("q0", q0, &[dof])).transpose()?;
-    let steps = match real("max_joint_step", along.max_joint_step) {
-        Ok(step) => vec![step; dof],
-        Err(_) => {
-            Floats::of_shape("max_joint_step", along.max_joint_step, &[dof])?.values()?.to_vec()
-        }
-    };
+    let steps = each_joint("max_joint_step", along.max_joint_step, dof)?;
     let pull = real("pull", along.pull)?;
     let mut points = Vec::new();
     let request = call.request(py, chain, &mut points)?;
@@ -54,7 +49,8 @@ pub fn follow<'py>(
     match py.detach(|| follow.run(Level::in_use(), &mut || signals.go_on_detached())) {
         Ok(path) => {
             let jumps = array(py, &leading, path.jumps)?;
-            Ok((IkResult::new(leading, dof, path.answers), jumps))
+            let speeds = array(py, &leading, path.speeds)?;
+            Ok((IkResult::new(leading, dof, path.answers), jumps, speeds))
         }
         Err(error) => Err(signals.exception(py, error)),
     }

@@ -37,7 +37,12 @@ impl<'py> Targets<'py> {
         match array.shape() {
             [.., 4, 4] => Ok(Self::Poses(Floats::many("targets", array.as_any(), threads)?)),
             [.., 3] => Ok(Self::Points(Floats::many("targets", array.as_any(), threads)?)),
-            other => Err(wrong_shape(value.py(), "targets", other, EXPECTED)),
+            other => {
+                let seven = other.last() == Some(&7);
+                let order = if seven { ", or with order= for seven numbers" } else { "" };
+                let expected = format!("{EXPECTED}{order}");
+                Err(wrong_shape(value.py(), "targets", other, &expected))
+            }
         }
     }
 

@@ -58,7 +58,7 @@ pub fn from_dh(
     frame: Frame<'_, '_>,
     convention: &str,
     table: DhTable<'_, '_>,
-) -> PyResult<Chain> {
+) -> PyResult<(Chain, DhConvention)> {
     let convention = match convention {
         "standard" => DhConvention::Standard,
         "modified" => DhConvention::Modified,
@@ -88,7 +88,7 @@ pub fn from_dh(
         let row = DhRow { a, alpha, d, theta };
         joints.push(row.joint(convention, &table.joint_names[i], kind, low, high));
     }
-    frame.chain(py, joints)
+    Ok((frame.chain(py, joints)?, convention))
 }
 
 /// A chain from joints with origins and axes.

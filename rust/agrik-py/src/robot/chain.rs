@@ -1,8 +1,9 @@
 //! The class `Chain`: only names, signatures and conversions; the work is elsewhere.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
-use agrik::chain;
+use agrik::chain::{self, MotionLimits};
 use agrik::closed_form::{ClosedForm, Recognised};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
@@ -22,11 +23,12 @@ use crate::result::IkResult;
 
 /// A serial chain: geometry, limits, base and tool, compiled for the solvers.
 #[pyclass(frozen, module = "agrik_fast._native")]
-pub struct Chain(Arc<chain::Chain>);
+pub struct Chain(Arc<chain::Chain>, Option<chain::DhConvention>);
 
 impl Chain {
-    fn wrap(py: Python<'_>, made: agrik::Result<chain::Chain>) -> PyResult<Self> {
-        made.map(|chain| Self(Arc::new(chain))).map_err(|error| errors::from_core(py, error))
+    fn changed(&self, py: Python<'_>, made: agrik::Result<chain::Chain>) -> PyResult<Self> {
+        let made = made.map_err(|error| errors::from_core(py, error))?;
+        Ok(Self(Arc::new(made), self.1))
     }
 
     /// The core's chain.
@@ -41,6 +43,8 @@ impl Chain {
 
 /// First link, last link, other tips, locked joints.
 type Ends = (String, String, Vec<String>, Vec<String>);
+/// Largest speed, acceleration, jerk.
+type Motion = (f64, f64, f64);
 type Array<'py> = PyResult<Bound<'py, PyArrayDyn<f64>>>;
 
 #[pymethods]
@@ -67,7 +71,8 @@ impl Chain {
     ) -> PyResult<Self> {
         let frame = Frame { name, base, tool, variable_order };
         let table = DhTable { rows, joint_types, joint_names, lower, upper };
-        Ok(Self(Arc::new(build::from_dh(py, frame, convention, table)?)))
+        let (made, convention) = build::from_dh(py, frame, convention, table)?;
+        Ok(Self(Arc::new(made), Some(convention)))
     }
 
     /// Build a chain from joints with origins and axes.
@@ -82,7 +87,7 @@ impl Chain {
         variable_order: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let frame = Frame { name, base, tool, variable_order };
-        Ok(Self(Arc::new(build::from_joints(py, frame, &joints)?)))
+        Ok(Self(Arc::new(build::from_joints(py, frame, &joints)?), None))
     }
 
     /// Build a chain from the text of a URDF; with it come the names of its first and its last
@@ -97,7 +102,7 @@ impl Chain {
     ) -> PyResult<(Self, Ends)> {
         let made = chain::Chain::from_urdf_with_ends(text, base_link, tip_link);
         let (chain, ends) = made.map_err(|error| errors::from_core(py, error))?;
-        Ok((Self(Arc::new(chain)), (ends.base, ends.tip, ends.others, ends.locked)))
+        Ok((Self(Arc::new(chain), None), (ends.base, ends.tip, ends.others, ends.locked)))
     }
 
     /// Name of the robot.
@@ -158,6 +163,38 @@ impl Chain {
         array(py, &[self.0.dof()], self.of_variables(|v| v.upper))
     }
 
+    /// Largest speed, acceleration and jerk, shape (3, dof), rad or m and s; inf where unknown.
+    #[getter]
+    fn motion_limits<'py>(&self, py: Python<'py>) -> Array<'py> {
+        let picks = [
+            self.of_variables(|v| v.motion.velocity),
+            self.of_variables(|v| v.motion.acceleration),
+            self.of_variables(|v| v.motion.jerk),
+        ];
+        array(py, &[3, self.0.dof()], picks.concat())
+    }
+
+    /// Return the same by the names of the joints, as `with_motion_limits` takes it; of the joints of
+    /// which anything is known.
+    fn joint_motion_limits(&self) -> Vec<(&str, Motion)> {
+        let known = self.0.joints().iter().filter(|j| j.motion != MotionLimits::UNKNOWN);
+        known
+            .map(|j| (&*j.name, (j.motion.velocity, j.motion.acceleration, j.motion.jerk)))
+            .collect()
+    }
+
+    /// Return the chain with other limits of motion of the joints that are named.
+    fn with_motion_limits(
+        &self,
+        py: Python<'_>,
+        limits: HashMap<String, Motion>,
+    ) -> PyResult<Self> {
+        let limits = limits.iter().map(|(name, &(velocity, acceleration, jerk))| {
+            (name.as_str(), MotionLimits { velocity, acceleration, jerk })
+        });
+        self.changed(py, self.0.with_motion_limits(limits))
+    }
+
     /// Names of the frames of `fk_links`, the tool last.
     #[getter]
     fn link_names(&self) -> Vec<&str> {
@@ -186,12 +223,12 @@ impl Chain {
 
     /// Return the chain with another tool, shape (4, 4), m.
     fn with_tool(&self, tool: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Self::wrap(tool.py(), self.0.with_tool(transform("tool", tool)?))
+        self.changed(tool.py(), self.0.with_tool(transform("tool", tool)?))
     }
 
     /// Return the chain with another base, shape (4, 4), m.
     fn with_base(&self, base: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Self::wrap(base.py(), self.0.with_base(transform("base", base)?))
+        self.changed(base.py(), self.0.with_base(transform("base", base)?))
     }
 
     /// Return tool poses, shape (..., 4, 4), of joint values, shape (..., dof).
@@ -222,7 +259,8 @@ impl Chain {
     #[pyo3(signature = (
         targets, task=None, solver=None, q0=None, seed=None, tool=None, threads=None,
         position_tolerance=None, orientation_tolerance=None, first_index=None,
-        tolerance_frame=None, collider=None, clear=None, prefer=None, invalid=None
+        tolerance_frame=None, collider=None, clear=None, prefer=None, invalid=None,
+        second_aim=None, nearest=None, joint_weights=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn ik(
@@ -243,6 +281,9 @@ impl Chain {
         clear: Option<&Bound<'_, PyAny>>,
         prefer: Option<&str>,
         invalid: Option<&str>,
+        second_aim: Option<&Bound<'_, PyAny>>,
+        nearest: Option<&Bound<'_, PyAny>>,
+        joint_weights: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<IkResult> {
         let given = Arguments {
             targets,
@@ -257,14 +298,16 @@ impl Chain {
             tolerance_frame,
             first_index,
             invalid,
+            second_aim,
         };
-        batch::solve(py, &self.0, &given, &guard::Given { collider, clear, prefer })
+        let guard = guard::Given { collider, clear, prefer };
+        batch::solve(py, &self.0, self.1, &given, &guard, (nearest, joint_weights))
     }
 
     /// Make a solver for one target at a time; see `agrik_fast.Robot.solver`.
     #[pyo3(signature = (
         task=None, solver=None, seed=None, tool=None, position_tolerance=None,
-        orientation_tolerance=None, tolerance_frame=None, recipe=None
+        orientation_tolerance=None, tolerance_frame=None, second_aim=None, max_change=None, recipe=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn solver(
@@ -277,6 +320,8 @@ impl Chain {
         position_tolerance: Option<&Bound<'_, PyAny>>,
         orientation_tolerance: Option<&Bound<'_, PyAny>>,
         tolerance_frame: Option<&Bound<'_, PyAny>>,
+        second_aim: Option<&Bound<'_, PyAny>>,
+        max_change: Option<&Bound<'_, PyAny>>,
         recipe: Option<Py<PyAny>>,
     ) -> PyResult<TargetSolver> {
         let none = py.None().into_bound(py);
@@ -293,9 +338,10 @@ impl Chain {
             tolerance_frame,
             first_index: None,
             invalid: None,
+            second_aim,
         };
         let options = Options::new(&self.0, &given, true)?;
-        TargetSolver::new(py, Arc::clone(&self.0), solver, options, recipe)
+        TargetSolver::new(py, Arc::clone(&self.0), solver, options, max_change, recipe)
     }
 
     /// Follow a sequence of targets; see `agrik_fast.Robot.follow`.
@@ -331,6 +377,7 @@ impl Chain {
             tolerance_frame,
             first_index: None,
             invalid: None,
+            second_aim: None,
         };
         let usual = PyFloat::new(py, 0.5).into_any();
         let along = Along { q0, max_joint_step, pull: pull.unwrap_or(&usual) };
@@ -363,6 +410,7 @@ impl Chain {
             tolerance_frame: None,
             first_index: None,
             invalid: None,
+            second_aim: None,
         };
         let costs = batch::cost_history(py, &self.0, &given)?;
         array(py, &[costs.len()], costs)
@@ -405,6 +453,7 @@ impl Chain {
             tolerance_frame,
             first_index: None,
             invalid,
+            second_aim: None,
         };
         batch::solve_all(py, &self.0, &given, &Wishes { arm_angle, locked, sweep, wrap })
     }

@@ -29,11 +29,14 @@ pub enum Status {
     Overdetermined = 9,
     /// Nothing here solves such an arm (all branches only).
     Unsupported = 10,
+    /// Not reached in this tick: the posture goes to the target, or as near to it as the reach
+    /// allows, no faster than it may (control loops only).
+    Held = 11,
 }
 
 impl Status {
     /// Every status, in the order of its codes.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Converged,
         Self::OutOfReach,
         Self::NotFound,
@@ -45,6 +48,7 @@ impl Status {
         Self::SingularFamily,
         Self::Overdetermined,
         Self::Unsupported,
+        Self::Held,
     ];
 
     /// The name that users and files know it by.
@@ -61,6 +65,7 @@ impl Status {
             Self::SingularFamily => "singular_family",
             Self::Overdetermined => "overdetermined",
             Self::Unsupported => "unsupported",
+            Self::Held => "held",
         }
     }
 }

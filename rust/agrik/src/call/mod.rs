@@ -7,6 +7,7 @@ mod aim;
 mod answers;
 mod batch;
 mod request;
+mod second;
 mod targets;
 
 pub(crate) use accept::Verdict;
@@ -17,5 +18,6 @@ pub(crate) use answers::Outcome;
 pub use answers::{Answers, AnswersMut, Status};
 pub use batch::{Solve, solve, solve_at, solve_into};
 pub use request::Request;
+pub use second::{Merit, Second, check_weights};
 pub(crate) use targets::Copies;
 pub use targets::{Goals, Starts};

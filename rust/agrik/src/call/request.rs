@@ -2,6 +2,7 @@
 
 use super::accept::Guard;
 use super::aim::{Aim, Left, Tolerance};
+use super::second::Second;
 use super::targets::{Copies, Goals, Starts};
 use crate::allowed::is_measure;
 use crate::chain::{Chain, Tail};
@@ -19,6 +20,7 @@ pub struct Request<'a> {
     seed: u64,
     first_index: u64,
     guard: Option<Guard<'a>>,
+    second: Option<&'a Second>,
 }
 
 impl<'a> Request<'a> {
@@ -46,7 +48,7 @@ impl<'a> Request<'a> {
             }
             _ => return Err(Error::argument("targets", "poses (4x4 matrices)", "points")),
         }
-        Ok(Self { chain, aim, goals, starts, seed: 0, first_index: 0, guard: None })
+        Ok(Self { chain, aim, goals, starts, seed: 0, first_index: 0, guard: None, second: None })
     }
 
     /// The same request with other random streams: `seed` and the index of a target (its
@@ -60,13 +62,29 @@ impl<'a> Request<'a> {
         Self { guard: Some(guard), ..self }
     }
 
+    /// The same request, whose answers are moved to where a second aim is best.
+    pub fn with_second(self, second: &'a Second) -> Self {
+        Self { second: Some(second), ..self }
+    }
+
+    /// The same request without a second aim.
+    pub(crate) fn without_second(self) -> Self {
+        Self { second: None, ..self }
+    }
+
     /// The same request for other targets, with a start for each: a solver's own subtask, whose
     /// answers nobody has to accept.
     pub(crate) fn with<'b>(&self, copies: &'b Copies, starts: &'b [f64]) -> Request<'b>
     where
         'a: 'b,
     {
-        Request { goals: copies.goals(), starts: Starts::Each(starts), guard: None, ..*self }
+        Request {
+            goals: copies.goals(),
+            starts: Starts::Each(starts),
+            guard: None,
+            second: None,
+            ..*self
+        }
     }
 
     /// The same request for copies of target `row`, with the start of that one: a subtask whose
@@ -76,7 +94,24 @@ impl<'a> Request<'a> {
         'a: 'b,
     {
         let starts = self.start(row).map_or(Starts::Free, Starts::One);
-        Request { goals: copies.goals(), starts, guard: None, ..*self }
+        Request { goals: copies.goals(), starts, guard: None, second: None, ..*self }
+    }
+
+    /// The same request for `count` of its targets from `first` on.
+    pub(crate) fn part(&self, first: usize, count: usize) -> Self {
+        let dof = self.chain.dof();
+        let goals = match self.goals {
+            Goals::Positions { points, direction } => {
+                Goals::Positions { points: &points[first..first + count], direction }
+            }
+            Goals::Poses(poses) => Goals::Poses(&poses[first..first + count]),
+        };
+        let starts = match self.starts {
+            Starts::Each(q) => Starts::Each(&q[first * dof..(first + count) * dof]),
+            other => other,
+        };
+        let first_index = self.first_index.wrapping_add(first as u64);
+        Self { goals, starts, first_index, ..*self }
     }
 
     /// How many targets.
@@ -128,6 +163,12 @@ impl<'a> Request<'a> {
     #[inline(always)]
     pub fn guard(&self) -> Option<Guard<'a>> {
         self.guard
+    }
+
+    /// What answers are moved to be best at, if anything.
+    #[inline(always)]
+    pub fn second(&self) -> Option<&'a Second> {
+        self.second
     }
 
     /// Where target `row` is to start from, if the caller says so.

@@ -38,6 +38,40 @@ impl JointKind {
     }
 }
 
+/// How fast a joint may move; infinite where nobody says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionLimits {
+    /// Largest speed, rad/s or m/s.
+    pub velocity: f64,
+    /// Largest acceleration and deceleration, rad/s^2 or m/s^2.
+    pub acceleration: f64,
+    /// Largest change of the acceleration, rad/s^3 or m/s^3.
+    pub jerk: f64,
+}
+
+impl MotionLimits {
+    /// Nothing is known.
+    pub const UNKNOWN: Self =
+        Self { velocity: f64::INFINITY, acceleration: f64::INFINITY, jerk: f64::INFINITY };
+
+    /// The stricter of both, number by number, where the other's belong to `factor` times the
+    /// joint; a factor of 0 asks for nothing.
+    pub(super) fn narrowed(self, other: Self, factor: f64) -> Self {
+        if factor == 0.0 {
+            return self;
+        }
+        Self {
+            velocity: self.velocity.min(other.velocity / factor.abs()),
+            acceleration: self.acceleration.min(other.acceleration / factor.abs()),
+            jerk: self.jerk.min(other.jerk / factor.abs()),
+        }
+    }
+
+    pub(super) fn numbers(self) -> [(&'static str, f64); 3] {
+        [("velocity", self.velocity), ("acceleration", self.acceleration), ("jerk", self.jerk)]
+    }
+}
+
 /// A joint that follows another: value = `multiplier` * source + `offset`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mimic {
@@ -68,6 +102,8 @@ pub struct Joint {
     pub lower: f64,
     /// Largest value, rad or m (`inf` for continuous joints).
     pub upper: f64,
+    /// How fast it may move.
+    pub motion: MotionLimits,
     /// The joint this one follows, if any.
     pub mimic: Option<Mimic>,
     /// Name of the link it carries.
@@ -87,6 +123,7 @@ impl Joint {
             after: IsometryMatrix3::identity(),
             lower,
             upper,
+            motion: MotionLimits::UNKNOWN,
             mimic: None,
         }
     }

@@ -5,6 +5,7 @@ mod dh;
 mod joint;
 mod locked;
 mod memo;
+mod motion;
 mod reach;
 mod urdf;
 
@@ -14,7 +15,7 @@ use nalgebra::{IsometryMatrix3, Matrix4};
 
 pub use compiled::{Compiled, Link, Tail, Twist};
 pub use dh::{DhConvention, DhRow};
-pub use joint::{Joint, JointKind, Mimic, UNLIMITED};
+pub use joint::{Joint, JointKind, Mimic, MotionLimits, UNLIMITED};
 pub use reach::Reach;
 pub use urdf::Ends;
 
@@ -33,6 +34,8 @@ pub struct Variable {
     pub lower: f64,
     /// Largest value, rad or m.
     pub upper: f64,
+    /// How fast it may move: no faster than any joint that follows it can.
+    pub motion: MotionLimits,
     /// A whole turn of it leads to the same posture: all that it moves turns, by whole
     /// multiples of it.
     pub periodic: bool,
@@ -234,6 +237,11 @@ fn check_joints(joints: &[Joint]) -> Result<()> {
             let got = format!("lower {} > upper {}", joint.lower, joint.upper);
             return Err(Error::argument(place("limits"), "lower <= upper", got));
         }
+        for (what, limit) in joint.motion.numbers() {
+            if limit.is_nan() || limit <= 0.0 {
+                return Err(Error::argument(place(what), "a number above 0, or infinity", limit));
+            }
+        }
         if let Some(mimic) = &joint.mimic {
             check_measures(&place("mimic"), [mimic.multiplier, mimic.offset])?;
         }
@@ -258,6 +266,7 @@ fn variables_of(joints: &[Joint]) -> Result<Vec<Variable>> {
                 kind: joint.kind,
                 lower: joint.lower,
                 upper: joint.upper,
+                motion: MotionLimits::UNKNOWN,
                 periodic: true,
             },
             Some(mimic) => mimic_source(joint, mimic, joints)?,
@@ -296,6 +305,7 @@ fn variables_of(joints: &[Joint]) -> Result<Vec<Variable>> {
             v.periodic &= turns;
         }
     }
+    motion::spread(&mut variables, joints);
     for v in variables.iter_mut().filter(|v| v.kind == JointKind::Revolute) {
         if v.lower <= -UNLIMITED && v.upper >= UNLIMITED {
             (v.kind, v.lower, v.upper) = (JointKind::Continuous, f64::NEG_INFINITY, f64::INFINITY);
@@ -319,6 +329,7 @@ fn mimic_source(joint: &Joint, mimic: &Mimic, joints: &[Joint]) -> Result<Variab
             kind: source.kind,
             lower: source.lower,
             upper: source.upper,
+            motion: MotionLimits::UNKNOWN,
             periodic: true,
         }),
         None => {
@@ -326,7 +337,8 @@ fn mimic_source(joint: &Joint, mimic: &Mimic, joints: &[Joint]) -> Result<Variab
                 .source_limits
                 .ok_or_else(|| Error::argument(place, "a known joint", &mimic.source))?;
             let kind = if lower.is_finite() { joint.kind } else { JointKind::Continuous };
-            Ok(Variable { name: mimic.source.clone(), kind, lower, upper, periodic: true })
+            let (name, motion) = (mimic.source.clone(), MotionLimits::UNKNOWN);
+            Ok(Variable { name, kind, lower, upper, motion, periodic: true })
         }
     }
 }

@@ -14,7 +14,7 @@ const POSE: usize = 16;
 
 /// Tool poses of all rows of `q` (`dof` numbers each), 16 numbers a pose, row by row.
 pub fn tool_poses(chain: &Chain, q: &[f64], out: &mut [f64]) {
-    run(q.len() / chain.dof(), Poses { chain, q, out });
+    run_rows(q.len() / chain.dof(), Poses { chain, q, out });
     let compiled = chain.compiled();
     far_rows(chain, q, |row, workspace| {
         let pose = pose_rows(workspace, &compiled.tail);
@@ -41,7 +41,7 @@ fn far_rows(chain: &Chain, q: &[f64], mut write: impl FnMut(usize, &Workspace<f6
 /// Geometric Jacobians of all rows of `q`, `6 * dof` numbers each, row by row: linear
 /// velocity of the tool point, then angular velocity, both in the world frame.
 pub fn tool_jacobians(chain: &Chain, q: &[f64], out: &mut [f64]) {
-    run(q.len() / chain.dof(), Jacobians { chain, q, out });
+    run_rows(q.len() / chain.dof(), Jacobians { chain, q, out });
     let size = 6 * chain.dof();
     far_rows(chain, q, |row, workspace| {
         let mut sums = vec![0.0; size];
@@ -75,12 +75,12 @@ pub fn moving_frames(chain: &Chain, q: &[f64], out: &mut [f64]) {
     if q.len() == chain.dof() {
         dispatch(Level::in_use(), LoneFrames { chain, q, out });
     } else {
-        run(q.len() / chain.dof(), Frames { chain, q, out });
+        run_rows(q.len() / chain.dof(), Frames { chain, q, out });
     }
 }
 
 /// Runs a kernel over rows; a pass over all lanes does not pay for one or two of them.
-fn run<K: Kernel>(rows: usize, kernel: K) -> K::Output {
+pub(crate) fn run_rows<K: Kernel>(rows: usize, kernel: K) -> K::Output {
     let level = Level::in_use();
     if rows <= 2 { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
 }
@@ -103,9 +103,9 @@ impl Kernel for Poses<'_> {
         let groups = self.q.chunks(dof * R::WIDTH).zip(self.out.chunks_mut(POSE * R::WIDTH));
         for (from, to) in groups {
             let rows = from.len() / dof;
-            load(from, dof, rows, &mut q);
+            load_rows(from, dof, rows, &mut q);
             forward(compiled, &q, &mut workspace);
-            unload(&pose_rows(&workspace, &compiled.tail), to);
+            unload_rows(&pose_rows(&workspace, &compiled.tail), to);
         }
     }
 }
@@ -139,13 +139,13 @@ impl Kernel for Frames<'_> {
         let groups = self.q.chunks(dof * R::WIDTH).zip(self.out.chunks_mut(size * R::WIDTH));
         for (from, to) in groups {
             let rows = from.len() / dof;
-            load(from, dof, rows, &mut q);
+            load_rows(from, dof, rows, &mut q);
             let mut frame = Frame::start(compiled);
             for (i, one) in frames.as_chunks_mut::<FRAME>().0.iter_mut().enumerate() {
                 frame = frame.after(compiled, i..i + 1, &q);
                 *one = frame_numbers(&frame);
             }
-            unload(&frames, to);
+            unload_rows(&frames, to);
         }
     }
 }
@@ -217,18 +217,18 @@ impl Kernel for Jacobians<'_> {
         let groups = self.q.chunks(dof * R::WIDTH).zip(self.out.chunks_mut(size * R::WIDTH));
         for (from, to) in groups {
             let rows = from.len() / dof;
-            load(from, dof, rows, &mut q);
+            load_rows(from, dof, rows, &mut q);
             forward(compiled, &q, &mut workspace);
             sums.fill(R::zero());
             add_columns(self.chain, &workspace, &mut sums);
-            unload(&sums, to);
+            unload_rows(&sums, to);
         }
     }
 }
 
 /// Puts `rows` rows of joint values into the lanes; lanes without a row repeat the last.
 #[inline(always)]
-fn load<R: Real>(from: &[f64], dof: usize, rows: usize, q: &mut [R]) {
+pub(crate) fn load_rows<R: Real>(from: &[f64], dof: usize, rows: usize, q: &mut [R]) {
     let whole = if rows == R::WIDTH { dof - dof % R::WIDTH } else { 0 };
     let (squares, rest) = q.split_at_mut(whole);
     for (k, values) in squares.chunks_exact_mut(R::WIDTH).enumerate() {
@@ -246,7 +246,7 @@ fn load<R: Real>(from: &[f64], dof: usize, rows: usize, q: &mut [R]) {
 
 /// Writes what the lanes hold row by row, as many numbers a row as there are values.
 #[inline(always)]
-fn unload<R: Real>(values: &[R], to: &mut [f64]) {
+pub(crate) fn unload_rows<R: Real>(values: &[R], to: &mut [f64]) {
     let size = values.len();
     let whole = if to.len() == size * R::WIDTH { size - size % R::WIDTH } else { 0 };
     let (squares, rest) = values.split_at(whole);

@@ -5,6 +5,7 @@ mod fk;
 mod jacobian;
 
 pub use batch::{FRAME, moving_frames, tool_jacobians, tool_poses};
+pub(crate) use batch::{load_rows, run_rows, unload_rows};
 pub use fk::{Frame, PerJoint, Workspace, forward, forward_frame};
 pub use jacobian::columns;
 

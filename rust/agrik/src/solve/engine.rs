@@ -8,13 +8,16 @@ mod attempts;
 mod feedback;
 mod nearest;
 mod runs;
+mod second_step;
 mod slack;
 
 use smallvec::{SmallVec, smallvec};
 
 use self::attempts::Job;
 use self::feedback::{Halt, Memory};
+pub(super) use self::nearest::{End, Search};
 use self::runs::Runs;
+use self::second_step as second;
 use self::slack::Relaxed;
 use super::limit::{Limit, limits, nearest_turn};
 use super::plan::Plan;
@@ -30,6 +33,10 @@ use crate::task::{Goal, PoseRows, Rows, TaskError};
 /// solution, slowly where that is singular: it gets so many times the usual steps.
 const NEAR: f64 = 1e-2;
 const PATIENCE: u32 = 8;
+/// What lanes do: steps of a task, those of a feedback law, or those of a second aim.
+const STEP: u8 = 0;
+const LAW: u8 = 1;
+const SECOND: u8 = 2;
 /// Movement, rad or m, below which a joint counts as still.
 const STILL: f64 = 1e-14;
 /// Loop passes between two questions whether to go on.
@@ -45,41 +52,58 @@ pub fn run<'a, R: Real>(
 ) -> bool {
     // Two loops in one source: feedback laws would slow the others down.
     match (&plan.setup().feedback, plan.setup().measure()) {
-        (None, _) => run_task::<R, false>(plan, next, keep_going),
+        (None, _) => run_task::<R, STEP>(plan, next, keep_going),
         (Some(_), Measure::Position(rows)) => {
-            Engine::<R, _, 3, true>::new(plan, rows).run(next, keep_going)
+            Engine::<R, _, 3, LAW>::new(plan, rows).run(next, keep_going)
         }
-        (Some(_), _) => run_slowly(plan, next, keep_going),
+        (Some(_), _) => run_slowly::<LAW>(plan, next, keep_going),
     }
 }
 
-/// Feedback laws with orientations: too rare for lanes to be worth their code.
-#[inline(never)]
-fn run_slowly<'a>(
+/// Moves the answers of every run that `next` hands out to where the plan's second aim is best,
+/// as far as they stay answers.
+#[inline(always)]
+pub fn run_second<'a, R: Real>(
     plan: &Plan<'_>,
     next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
     keep_going: &mut dyn FnMut() -> bool,
 ) -> bool {
-    run_task::<f64, true>(plan, next, keep_going)
+    match plan.setup().measure() {
+        Measure::Position(rows) => Engine::<R, _, 3, SECOND>::new(plan, rows).run(next, keep_going),
+        Measure::Pose(rows) => {
+            let rows = PoseRows { onward: plan.setup().onward(), ..rows };
+            Engine::<R, _, 6, SECOND>::new(plan, rows).run(next, keep_going)
+        }
+        _ => run_slowly::<SECOND>(plan, next, keep_going),
+    }
+}
+
+/// Feedback laws with orientations, and second aims of other tasks: too rare for lanes to be
+/// worth their code.
+#[inline(never)]
+pub fn run_slowly<'a, const WAY: u8>(
+    plan: &Plan<'_>,
+    next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
+    keep_going: &mut dyn FnMut() -> bool,
+) -> bool {
+    run_task::<f64, WAY>(plan, next, keep_going)
 }
 
 #[inline(always)]
-fn run_task<'a, R: Real, const FEEDBACK: bool>(
+fn run_task<'a, R: Real, const WAY: u8>(
     plan: &Plan<'_>,
     next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
     keep_going: &mut dyn FnMut() -> bool,
 ) -> bool {
     let setup = plan.setup();
     match setup.measure() {
-        Measure::Position(rows) => {
-            Engine::<R, _, 3, FEEDBACK>::new(plan, rows).run(next, keep_going)
-        }
+        Measure::Position(rows) => Engine::<R, _, 3, WAY>::new(plan, rows).run(next, keep_going),
         Measure::Pose(rows) => {
             let rows = PoseRows { onward: setup.onward(), ..rows };
-            Engine::<R, _, 6, FEEDBACK>::new(plan, rows).run(next, keep_going)
+            Engine::<R, _, 6, WAY>::new(plan, rows).run(next, keep_going)
         }
-        Measure::Axis(rows) => Engine::<R, _, 5, FEEDBACK>::new(plan, rows).run(next, keep_going),
-        Measure::Framed(rows) => Engine::<R, _, 6, FEEDBACK>::new(plan, rows).run(next, keep_going),
+        Measure::Axis(rows) => Engine::<R, _, 5, WAY>::new(plan, rows).run(next, keep_going),
+        Measure::Framed(rows) => Engine::<R, _, 6, WAY>::new(plan, rows).run(next, keep_going),
     }
 }
 
@@ -106,7 +130,7 @@ impl<R: Real> Enough<R> {
     }
 }
 
-struct Engine<'p, R: Real, T, const M: usize, const FEEDBACK: bool> {
+struct Engine<'p, R: Real, T, const M: usize, const WAY: u8> {
     plan: &'p Plan<'p>,
     setup: &'p Setup,
     rows: T,
@@ -137,13 +161,12 @@ struct Engine<'p, R: Real, T, const M: usize, const FEEDBACK: bool> {
     workspace: Workspace<R>,
     goal: Goal<R>,
     memory: Memory<R, M>,
+    second: second::Memory<R>,
     /// The joint values of a start on their way to a lane.
     begin: PerJoint<f64>,
 }
 
-impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
-    Engine<'p, R, T, M, FEEDBACK>
-{
+impl<'p, R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'p, R, T, M, WAY> {
     #[inline(always)]
     fn new(plan: &'p Plan<'p>, rows: T) -> Self {
         let setup = plan.setup();
@@ -152,6 +175,10 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         let dof = variables.len();
         let limits = limits(plan);
         let first = setup.aim.puts_position_first();
+        let steps = match plan.second_aim() {
+            Some(second) if WAY == SECOND => second::most_steps(second),
+            _ => settings.max_iterations,
+        };
         Self {
             plan,
             setup,
@@ -179,8 +206,8 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                 settings.max_restarts
             },
             has_continuous: variables.iter().any(|v| v.kind == JointKind::Continuous),
-            cap: settings.max_iterations,
-            patient_cap: settings.max_iterations.saturating_mul(if settings.plain {
+            cap: steps,
+            patient_cap: steps.saturating_mul(if settings.plain || WAY == SECOND {
                 1
             } else {
                 PATIENCE
@@ -195,6 +222,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             workspace: Workspace::new(plan.request.chain().compiled()),
             goal: Goal::zero(),
             memory: Memory::new(setup.feedback.as_ref(), dof),
+            second: second::Memory::new(if WAY == SECOND { dof } else { 0 }),
             begin: smallvec![0.0; dof],
         }
     }
@@ -226,7 +254,11 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
             let error = self.evaluate();
             let reached = enough.holds::<T, M>(&error) & busy;
             let near = R::bits(squared_norm(&error.rows).lt(R::splat(self.near2)));
-            let mut ended = (reached | halt.stalled | halt.broken) & busy;
+            let mut ended = if WAY == SECOND {
+                reached & self.second.settled
+            } else {
+                (reached | halt.stalled | halt.broken) & busy
+            };
             for (lane, job) in self.jobs.iter().enumerate() {
                 let closing_in = near >> lane & 1 != 0;
                 let cap = if closing_in { self.patient_cap } else { self.cap };
@@ -241,8 +273,11 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                     if solved && self.winds && self.wind(lane) {
                         continue;
                     }
+                    if WAY == SECOND {
+                        self.end_second(lane, solved, &error, &mut runs);
+                    }
                     let status = self.status(lane, solved, halt);
-                    if !self.end_attempt(lane, status, &error, &mut runs)
+                    if (WAY == SECOND || !self.end_attempt(lane, status, &error, &mut runs))
                         && !self.refill(lane, &mut runs, next)
                     {
                         busy &= !(1 << lane);
@@ -254,10 +289,13 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                     continue;
                 }
             }
-            halt = if FEEDBACK {
-                self.feedback_step(&error, busy & !ended)
-            } else {
-                Halt { stalled: self.step(&error, busy & !ended), broken: 0 }
+            halt = match WAY {
+                LAW => self.feedback_step(&error, busy & !ended),
+                SECOND => {
+                    self.second_step(&error, busy & !ended);
+                    Halt::default()
+                }
+                _ => Halt { stalled: self.step(&error, busy & !ended), broken: 0 },
             };
         }
         true
@@ -275,9 +313,10 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
         error
     }
 
-    /// One step of the lanes in `moving`; returns those that did not move.
+    /// Fills in the columns of the Jacobian in the task's rows; returns the squared error, and the
+    /// way of slides that stands beside a radian.
     #[inline(always)]
-    fn step(&mut self, error: &TaskError<R, M>, moving: u32) -> u32 {
+    fn fill_columns(&mut self, error: &TaskError<R, M>) -> (R, R) {
         let compiled = self.plan.request.chain().compiled();
         let tool = self.workspace.tool_point(self.setup.point);
         if !compiled.simple {
@@ -311,6 +350,13 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool>
                 }
             }
         }
+        (squared, per_radian)
+    }
+
+    /// One step of the lanes in `moving`; returns those that did not move.
+    #[inline(always)]
+    fn step(&mut self, error: &TaskError<R, M>, moving: u32) -> u32 {
+        let (squared, per_radian) = self.fill_columns(error);
         if let Some((gain, toward)) = &self.plan.pull {
             for ((p, q), to) in self.pull.iter_mut().zip(&self.q).zip(toward) {
                 *p = R::splat(*gain) * (R::splat(*to) - *q);

@@ -1,30 +1,43 @@
 //! A path of targets, one after the other: every posture continues the one before.
 
 use super::Settings;
+use super::limit::wound;
+use super::pieces::between;
 use super::plan::Plan;
 use super::start::range;
+use super::tracker::{bounds_around, check_steps, is_step, ticks};
 use crate::allowed::is_measure;
-use crate::call::{Answers, INSIDE, Outcome, Request, Solve, Status};
-use crate::chain::JointKind;
+use crate::call::{Answers, Copies, Outcome, Request, Solve, Status};
+use crate::chain::{Chain, JointKind};
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, forward};
 use crate::lanes::Level;
 use crate::random::Stream;
-use crate::task::Goal;
 
 /// The steps of one attempt to continue.
 const CONTINUE: Settings =
     Settings { max_iterations: 30, max_restarts: 0, ..Settings::LEVENBERG_MARQUARDT };
 /// The steps of the search for a new beginning.
 const BEGIN: Settings = Settings { max_restarts: 20, ..Settings::LEVENBERG_MARQUARDT };
-/// Starts that are tried side by side where the plain continuation fails.
+/// One attempt from a start.
+const ONE: Settings = Settings { max_restarts: 0, ..Settings::LEVENBERG_MARQUARDT };
+/// Starts that are tried side by side where the plain continuation fails, and for the postures
+/// from which a path is looked for backward.
 const OTHERS: usize = 16;
+const STARTS: usize = 48;
+/// Postures of a target that differ by less are one, and no more than so many are looked at.
+const SAME: f64 = 1e-3;
+const MOST_POSTURES: usize = 16;
+/// Steps into which the way to a target is cut at most to see whether it goes on.
+const MOST_PIECES: usize = 64;
+/// Start values that are outside of their limits by no more are put onto them, rad or m.
+const HAIR: f64 = 1e-3;
 
 /// A plan whose targets are to be followed in order.
 #[derive(Debug, Clone)]
 pub struct Follow<'a> {
     plan: Plan<'a>,
-    q0: Option<&'a [f64]>,
+    q0: Option<Vec<f64>>,
     max_joint_step: Vec<f64>,
     pull: f64,
 }
@@ -34,9 +47,11 @@ pub struct Follow<'a> {
 pub struct Path {
     /// One answer a target. Where a target was not reached the arm stays where it was.
     pub answers: Answers,
-    /// True where a posture is no continuation of the one before: it lies farther away than
-    /// a joint step, or there is none.
+    /// True where a posture is no continuation of the one before, or there is none.
     pub jumps: Vec<bool>,
+    /// The largest share of its step that a joint takes to a posture from the one before; above 1
+    /// where a path that goes on is too fast by that factor. 0 in the first row.
+    pub speeds: Vec<f64>,
 }
 
 impl<'a> Follow<'a> {
@@ -53,188 +68,305 @@ impl<'a> Follow<'a> {
         pull: f64,
     ) -> Result<Self> {
         let (chain, dof) = (request.chain(), request.chain().dof());
-        if max_joint_step.len() != dof {
-            let got = max_joint_step.len();
-            return Err(Error::argument("max_joint_step", format!("{dof} numbers"), got));
-        }
-        if let Some(bad) = max_joint_step.iter().find(|x| !(x.is_finite() && **x > 0.0)) {
-            return Err(Error::argument("max_joint_step", "finite numbers above 0", bad));
-        }
+        check_steps("max_joint_step", &max_joint_step, dof)?;
         if !(0.0..=1.0).contains(&pull) {
             return Err(Error::argument("pull", "a number, 0 to 1", pull));
         }
-        if let Some(q0) = q0
-            && (q0.len() != dof || q0.iter().any(|x| !is_measure(*x)) || !chain.within_limits(q0))
-        {
-            let expected = format!("{dof} finite numbers within the limits");
-            return Err(Error::argument("q0", expected, format!("{q0:?}")));
-        }
+        let q0 = q0.map(|q0| inside(chain, q0)).transpose()?;
         let plan = Plan::new(request, CONTINUE)?;
         Ok(Self { plan, q0, max_joint_step, pull })
     }
 
     /// Follows the path; `poll` is asked at every target whether to go on.
     pub fn run(&self, level: Level, poll: &mut dyn FnMut() -> bool) -> Result<Path> {
-        let (plan, dof) = (&self.plan, self.plan.request.chain().dof());
-        let mut walker = Walker {
-            follow: self,
-            level,
-            at: self.q0.map(<[f64]>::to_vec),
-            workspace: Workspace::new(plan.request.chain().compiled()),
-        };
-        let mut answers = Answers::new(plan.request.len(), dof);
-        let mut jumps = vec![false; plan.request.len()];
-        let mut rows = answers.as_mut();
-        for (row, jump) in jumps.iter_mut().enumerate() {
+        let (request, dof) = (&self.plan.request, self.plan.request.chain().dof());
+        let count = request.len();
+        let mut walker = Walker { follow: self, level, rows: Vec::with_capacity(count), piece: 0 };
+        for row in 0..count {
             if !poll() {
                 return Err(Error::Interrupted);
             }
-            let (outcome, jumped) = walker.advance(row);
-            *jump = jumped;
-            let q = rows.finish(row, outcome);
-            match &walker.at {
-                Some(at) => q.copy_from_slice(at),
-                None => {
-                    for (x, v) in q.iter_mut().zip(plan.request.chain().variables()) {
-                        *x = v.near_zero();
-                    }
-                }
+            walker.advance(row);
+        }
+        let mut answers = Answers::new(count, dof);
+        let mut rows = answers.as_mut();
+        let mut workspace = Workspace::new(request.chain().compiled());
+        let mut speeds = vec![0.0; count];
+        for (i, row) in walker.rows.iter().enumerate() {
+            let mut outcome = row.outcome;
+            if outcome.status != Status::BadInput
+                && let Some(goal) = request.goal(i)
+            {
+                forward(request.chain().compiled(), &row.q, &mut workspace);
+                let left = request.left(&workspace, &goal);
+                outcome.position_error = left.position2.sqrt();
+                outcome.orientation_error = left.orientation2.sqrt();
+            }
+            rows.finish(i, outcome).copy_from_slice(&row.q);
+            if i > 0 {
+                speeds[i] = ticks(&walker.rows[i - 1].q, &row.q, &self.max_joint_step);
             }
         }
-        Ok(Path { answers, jumps })
+        let jumps = walker.rows.iter().map(|row| row.jump).collect();
+        Ok(Path { answers, jumps, speeds })
     }
+}
+
+/// Start values within the limits; those outside by a hair are put onto them.
+fn inside(chain: &Chain, q0: &[f64]) -> Result<Vec<f64>> {
+    let dof = chain.dof();
+    if q0.len() != dof || q0.iter().any(|x| !is_measure(*x)) {
+        return Err(Error::argument("q0", format!("{dof} finite numbers"), format!("{q0:?}")));
+    }
+    let held = |(x, v): (&f64, &crate::chain::Variable)| {
+        let there = x.max(v.lower).min(v.upper);
+        if (x - there).abs() <= HAIR {
+            return Ok(there);
+        }
+        let (name, lower, upper) = (&v.name, v.lower, v.upper);
+        let expected = format!("joint '{name}' within its limits, {lower} to {upper}");
+        Err(Error::argument("q0", expected, x))
+    };
+    q0.iter().zip(chain.variables()).map(held).collect()
+}
+
+/// Where the arm is at a target.
+struct Row {
+    q: Vec<f64>,
+    outcome: Outcome,
+    jump: bool,
 }
 
 /// The arm on its way.
 struct Walker<'f> {
     follow: &'f Follow<'f>,
     level: Level,
-    at: Option<Vec<f64>>,
-    workspace: Workspace<f64>,
+    rows: Vec<Row>,
+    /// Row of the first posture from which on every one continues the one before.
+    piece: usize,
 }
 
 impl Walker<'_> {
-    /// Goes to a target: the answer, and whether it is no continuation.
-    fn advance(&mut self, row: usize) -> (Outcome, bool) {
-        let plan = &self.follow.plan;
+    /// Goes to a target.
+    fn advance(&mut self, row: usize) {
+        let (plan, chain) = (&self.follow.plan, self.follow.plan.request.chain());
+        let before = self.rows.last().map(|row| row.q.clone());
+        let stays = before.clone().or_else(|| self.follow.q0.clone());
+        let stays = stays.unwrap_or_else(|| chain.near_zero());
         let mut outcome = Outcome::unanswered(Status::BadInput);
-        let Some(goal) = plan.request.goal(row) else { return (outcome, true) };
-        let mut stream = Stream::new(plan.sampler.key(row, 0));
-        let mut found = None;
-        if let Some(at) = self.at.clone() {
-            let bounds = self.bounds(&at);
-            found = self.attempt(row, &goal, &at, Some(&bounds), CONTINUE, &at, &mut outcome);
-            if found.is_none() {
-                outcome.restarts += 1;
-                let mut starts = Vec::new();
-                for _ in 0..OTHERS {
-                    starts.extend(bounds.iter().map(|(a, b)| a + (b - a) * stream.uniform()));
-                }
-                found =
-                    self.attempt(row, &goal, &starts, Some(&bounds), CONTINUE, &at, &mut outcome);
+        let Some(goal) = plan.request.goal(row) else {
+            self.rows.push(Row { q: stays, outcome, jump: true });
+            self.piece = row + 1;
+            return;
+        };
+        let reached = self.rows.last().is_some_and(|r| r.outcome.status == Status::Converged);
+        let mut jump = false;
+        let mut found = match &before {
+            None => self.begin(row, &mut outcome),
+            Some(at) => {
+                let on = self.continued(row, at, at, &mut outcome);
+                let on = on.or_else(|| reached.then(|| self.in_pieces(row, at, &mut outcome))?);
+                on.or_else(|| reached.then(|| self.bridge(row, at, &mut outcome))?)
             }
+        };
+        if found.is_none() && before.is_some() {
+            found = self.anywhere(row, &stays, &mut outcome);
+            jump = found.as_ref().is_none_or(|q| !is_step(&stays, q, &self.follow.max_joint_step));
         }
-        let mut jumped = false;
-        if found.is_none() {
-            let middle: Vec<f64> = match &self.at {
-                Some(at) => at.clone(),
-                None => plan.request.chain().near_zero(),
-            };
-            let mut starts = middle.clone();
-            for _ in 1..OTHERS {
-                for (v, x) in plan.request.chain().variables().iter().zip(&middle) {
-                    let (low, high) = match v.kind {
-                        JointKind::Continuous => {
-                            (x - std::f64::consts::PI, x + std::f64::consts::PI)
-                        }
-                        _ if (v.upper - v.lower).is_infinite() => {
-                            let (lower, width) = range(plan.request.chain(), v);
-                            (lower, lower + width)
-                        }
-                        _ => (v.lower, v.upper),
-                    };
-                    starts.push(low + (high - low) * stream.uniform());
-                }
-            }
-            found = self.attempt(row, &goal, &starts, None, BEGIN, &middle, &mut outcome);
-            jumped = match (&self.at, &found) {
-                (Some(at), Some(q)) => !self.is_step(at, q),
-                (None, Some(_)) => false,
-                (_, None) => true,
-            };
-        }
-        match found {
-            Some(q) => {
-                outcome.status = Status::Converged;
-                self.at = Some(q);
-            }
-            None if plan.proven_unreachable(&goal) => outcome.status = Status::OutOfReach,
-            None => outcome.status = Status::NotFound,
-        }
-        if let Some(at) = &self.at {
-            forward(plan.request.chain().compiled(), at, &mut self.workspace);
-            let left = plan.request.left(&self.workspace, &goal);
-            outcome.position_error = left.position2.sqrt();
-            outcome.orientation_error = left.orientation2.sqrt();
-        }
-        (outcome, jumped)
+        outcome.status = match &found {
+            Some(_) => Status::Converged,
+            None if plan.proven_unreachable(&goal) => Status::OutOfReach,
+            None => Status::NotFound,
+        };
+        jump |= found.is_none();
+        self.piece = if found.is_none() {
+            row + 1
+        } else if jump {
+            row
+        } else {
+            self.piece
+        };
+        self.rows.push(Row { q: found.unwrap_or(stays), outcome, jump });
     }
 
-    /// The joints' ranges one step around a posture, within the limits.
-    fn bounds(&self, at: &[f64]) -> Vec<(f64, f64)> {
-        let variables = self.follow.plan.request.chain().variables().iter();
-        variables
-            .zip(at)
-            .zip(&self.follow.max_joint_step)
-            // A little less, so that rounding does not make a step too long.
-            .map(|((v, x), step)| (x, step * INSIDE, v))
-            .map(|(x, step, v)| ((x - step).max(v.lower), (x + step).min(v.upper)))
-            .collect()
+    /// The first posture: the nearest one to the start values.
+    fn begin(&self, row: usize, outcome: &mut Outcome) -> Option<Vec<f64>> {
+        let plan = &self.follow.plan;
+        let Some(q0) = &self.follow.q0 else {
+            return self.anywhere(row, &plan.request.chain().near_zero(), outcome);
+        };
+        let starts = self.starts(row, q0, STARTS);
+        let found = self.attempts(row, &starts, None, q0, ONE, outcome);
+        found.into_iter().next().or_else(|| self.anywhere(row, q0, outcome))
     }
 
-    fn is_step(&self, from: &[f64], to: &[f64]) -> bool {
-        let steps = from.iter().zip(to).zip(&self.follow.max_joint_step);
-        steps.into_iter().all(|((a, b), step)| (a - b).abs() <= *step)
-    }
-
-    /// The reached posture nearest to `near`, from one or several starts.
-    #[allow(clippy::too_many_arguments)]
-    fn attempt(
-        &mut self,
+    /// A posture for a target from one before, no farther away than a step.
+    fn continued(
+        &self,
         row: usize,
-        goal: &Goal<f64>,
-        starts: &[f64],
-        bounds: Option<&[(f64, f64)]>,
-        settings: Settings,
-        near: &[f64],
+        at: &[f64],
+        toward: &[f64],
         outcome: &mut Outcome,
     ) -> Option<Vec<f64>> {
+        let chain = self.follow.plan.request.chain();
+        let bounds = bounds_around(chain, at, &self.follow.max_joint_step);
+        let first = self.attempts(row, at, Some((&bounds, toward)), at, CONTINUE, outcome);
+        if let Some(q) = first.into_iter().next() {
+            return Some(q);
+        }
+        outcome.restarts += 1;
+        let mut stream = Stream::new(self.follow.plan.sampler.key(row, 0));
+        let mut starts = Vec::new();
+        for _ in 0..OTHERS {
+            starts.extend(bounds.iter().map(|(a, b)| a + (b - a) * stream.uniform()));
+        }
+        let bounds = Some((&bounds[..], toward));
+        self.attempts(row, &starts, bounds, toward, CONTINUE, outcome).into_iter().next()
+    }
+
+    /// The posture for a target at the end of a way that goes on, but faster than the joints may:
+    /// the way from the target before, cut into pieces.
+    fn in_pieces(&self, row: usize, at: &[f64], outcome: &mut Outcome) -> Option<Vec<f64>> {
         let plan = &self.follow.plan;
-        let dof = plan.request.chain().dof();
+        let free = self.attempts(row, at, None, at, ONE, outcome).into_iter().next()?;
+        let steps = ticks(at, &free, &self.follow.max_joint_step);
+        if steps >= 0.5 * MOST_PIECES as f64 {
+            return None;
+        }
+        let count = (1.5 * steps).ceil() as usize + 2;
+        let mut q = at.to_vec();
+        for piece in 1..=count {
+            let share = piece as f64 / count as f64;
+            let target = between(&plan.request, row - 1, row, share);
+            let bounds = bounds_around(plan.request.chain(), &q, &self.follow.max_joint_step);
+            let bounds = Some((&bounds[..], &q[..]));
+            let found = self.attempts_at(&target, &q, bounds, &q, CONTINUE, outcome);
+            q = found.into_iter().next()?;
+        }
+        Some(q)
+    }
+
+    /// The posture for a target on another way to it: from every posture that reaches it the
+    /// path is followed backward, until it meets the one taken so far, or the free start.
+    fn bridge(&mut self, row: usize, at: &[f64], outcome: &mut Outcome) -> Option<Vec<f64>> {
+        let most = &self.follow.max_joint_step;
+        let starts = self.starts(row, at, STARTS);
+        let mut postures = self.attempts(row, &starts, None, at, ONE, outcome);
+        postures.dedup_by(|a, b| a.iter().zip(b).all(|(a, b)| (*a - *b).abs() < SAME));
+        outcome.restarts += 1;
+        let free = self.piece == 0 && self.follow.q0.is_none();
+        for end in postures.into_iter().take(MOST_POSTURES) {
+            let mut way = vec![end.clone()];
+            let mut met = None;
+            for back in (self.piece..row).rev() {
+                let last = way.last().map_or(&end[..], |q| q);
+                let taken = &self.rows[back].q;
+                if is_step(taken, last, most) {
+                    met = Some(back + 1);
+                    break;
+                }
+                let Some(q) = self.continued(back, last, taken, outcome) else { break };
+                way.push(q);
+                if back == 0 && free {
+                    met = Some(0);
+                }
+            }
+            let Some(first) = met else { continue };
+            for (k, q) in way.into_iter().skip(1).enumerate() {
+                let back = row - 1 - k;
+                if back >= first {
+                    self.rows[back].q = q;
+                }
+            }
+            return Some(end);
+        }
+        None
+    }
+
+    /// The posture nearest to one, of those that a search of the whole range finds.
+    fn anywhere(&self, row: usize, near: &[f64], outcome: &mut Outcome) -> Option<Vec<f64>> {
+        let starts = self.starts(row, near, OTHERS);
+        self.attempts(row, &starts, None, near, BEGIN, outcome).into_iter().next()
+    }
+
+    /// Starts for a target: a posture, and others from the whole range about it.
+    fn starts(&self, row: usize, near: &[f64], count: usize) -> Vec<f64> {
+        use std::f64::consts::PI;
+        let chain = self.follow.plan.request.chain();
+        let mut stream = Stream::new(self.follow.plan.sampler.key(row, 1));
+        let mut starts = near.to_vec();
+        for _ in 1..count {
+            for (v, x) in chain.variables().iter().zip(near) {
+                let (low, high) = match v.kind {
+                    JointKind::Continuous => (x - PI, x + PI),
+                    _ if (v.upper - v.lower).is_infinite() => {
+                        let (lower, width) = range(chain, v);
+                        (lower, lower + width)
+                    }
+                    _ => (v.lower, v.upper),
+                };
+                starts.push(low + (high - low) * stream.uniform());
+            }
+        }
+        starts
+    }
+
+    fn attempts(
+        &self,
+        row: usize,
+        starts: &[f64],
+        bounds: Option<(&[(f64, f64)], &[f64])>,
+        near: &[f64],
+        settings: Settings,
+        outcome: &mut Outcome,
+    ) -> Vec<Vec<f64>> {
+        let request = &self.follow.plan.request;
+        let target = request.copies(row, starts.len() / request.chain().dof());
+        self.attempts_at(&target, starts, bounds, near, settings, outcome)
+    }
+
+    /// The postures that several starts lead to, those nearest to `near` first; within bounds
+    /// with a pull to a posture.
+    fn attempts_at(
+        &self,
+        target: &Copies,
+        starts: &[f64],
+        bounds: Option<(&[(f64, f64)], &[f64])>,
+        near: &[f64],
+        settings: Settings,
+        outcome: &mut Outcome,
+    ) -> Vec<Vec<f64>> {
+        let (plan, pull) = (&self.follow.plan, self.follow.pull);
+        let chain = plan.request.chain();
+        let dof = chain.dof();
         let count = starts.len() / dof;
-        let target = plan.request.copies(row, count);
-        let mut copies = plan.with(&target, starts, settings);
-        copies.bounds = bounds.map(<[_]>::to_vec);
-        // A free search goes where it gets; only its choice is for what is near.
-        copies.pull =
-            bounds.filter(|_| self.follow.pull > 0.0).map(|_| (self.follow.pull, near.to_vec()));
+        let mut copies = plan.with(target, starts, settings);
+        copies.bounds = bounds.map(|(bounds, _)| bounds.to_vec());
+        // A free search goes where it gets; only its order is for what is near.
+        copies.pull = bounds.filter(|_| pull > 0.0).map(|(_, toward)| (pull, toward.to_vec()));
         let mut answers = Answers::new(count, dof);
         let mut all = Some(answers.as_mut());
         copies.run(self.level, &mut || all.take(), &mut || true);
         outcome.iterations += answers.iterations.iter().sum::<u32>();
-        let mut best: Option<(f64, &[f64])> = None;
-        for q in answers.q.chunks_exact(dof) {
-            let way2: f64 = q.iter().zip(near).map(|(a, b)| (a - b) * (a - b)).sum();
-            let nearer = best.is_none_or(|(least, _)| way2 < least);
-            let inside = plan.request.chain().within_limits(q)
-                && (bounds.is_none() || self.is_step(near, q));
-            if nearer && inside {
-                forward(plan.request.chain().compiled(), q, &mut self.workspace);
-                if plan.request.aim().is_met(&plan.request.left(&self.workspace, goal)) {
-                    best = Some((way2, q));
-                }
+        let inside = |q: &[f64]| {
+            chain.within_limits(q)
+                && bounds.is_none_or(|(bounds, _)| {
+                    q.iter().zip(bounds).all(|(x, (low, high))| low <= x && x <= high)
+                })
+        };
+        let mut found: Vec<Vec<f64>> = Vec::new();
+        for (i, q) in answers.q.chunks_exact(dof).enumerate() {
+            if answers.success(i) && inside(q) {
+                let variables = chain.variables().iter();
+                let turned = |((x, v), near): ((&f64, _), &f64)| match bounds {
+                    None => wound(v, *x, *near),
+                    Some(_) => *x,
+                };
+                found.push(q.iter().zip(variables).zip(near).map(turned).collect());
             }
         }
-        best.map(|(_, q)| q.to_vec())
+        let away = |q: &[f64]| ticks(near, q, &self.follow.max_joint_step);
+        found.sort_by(|a, b| away(a).total_cmp(&away(b)));
+        found
     }
 }

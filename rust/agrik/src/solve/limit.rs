@@ -84,6 +84,12 @@ impl Limit {
     }
 }
 
+/// The angle of the same posture that is nearest to `about` inside a joint's own limits.
+pub(super) fn wound(v: &Variable, x: f64, about: f64) -> f64 {
+    let turns = v.periodic && v.kind != JointKind::Prismatic;
+    if turns { Limit::of(v).wound(x, about) } else { x }
+}
+
 /// The limits of a plan: those of the joints, unless it has narrower ones.
 pub(super) fn limits(plan: &Plan<'_>) -> PerJoint<Limit> {
     match &plan.bounds {

@@ -6,20 +6,27 @@ mod engine;
 mod follow;
 mod limit;
 mod linear;
+mod pieces;
 mod plan;
 pub mod population;
 mod postures;
+mod refined;
 mod rows;
+mod sensitivity;
 mod setup;
 mod start;
 mod step;
+mod tracker;
 
 pub use climb::Climb;
 pub use engine::run;
 pub use follow::{Follow, Path};
 pub use plan::Plan;
+pub use refined::Refined;
+pub use sensitivity::{DH, Sensitivity, TWIST};
 pub use setup::Setup;
 pub use step::{
     GainUnits, Lengths, Matrix, Pace, Pid, PidOrder, Settings, StartRule, StateSpace, StaticGain,
     Step, frozen_gain,
 };
+pub use tracker::Tracker;

@@ -2,12 +2,17 @@
 
 use std::borrow::Cow;
 
+use nalgebra::DMatrix;
+
 use super::Settings;
+use super::limit::wound;
 use super::setup::Setup;
 use super::start::Sampler;
-use crate::call::{Copies, Goals, Request, Starts};
+use crate::call::{Answers, Copies, Goals, Merit, Request, Second, Solve, Starts};
 use crate::chain::Chain;
 use crate::error::{Error, Result};
+use crate::kinematics::{Workspace, columns, forward};
+use crate::lanes::Level;
 use crate::task::Goal;
 
 /// A request and how to fulfil it.
@@ -39,6 +44,36 @@ impl<'a> Plan<'a> {
         Self { request, setup, sampler, bounds: None, pull: None }
     }
 
+    /// What answers are moved to be best at, where the target leaves a freedom for it: what the
+    /// request asks for, or the setup, or not to stand at a limit where nobody gave a start.
+    pub(super) fn second_aim(&self) -> Option<&Second> {
+        let asked = self.setup().aim.weights().iter().filter(|w| **w != 0.0).count();
+        let free = matches!(self.request.starts(), Starts::Free);
+        let usual = |second: &&Second| second.measure != Merit::OffLimits || free;
+        let second = self.request.second().or(self.setup().second.as_ref().filter(usual));
+        second.filter(|_| self.request.chain().dof() > asked || self.setup().slack.is_some())
+    }
+
+    /// Half the logarithm of `det(J J^T)`, of the tool's place, and of its turns too where a full
+    /// pose is asked of six joints or more.
+    pub(super) fn dexterity(&self, q: &[f64]) -> f64 {
+        let chain = self.request.chain().compiled();
+        let mut workspace = Workspace::new(chain);
+        forward(chain, q, &mut workspace);
+        let tool = workspace.tool_point(self.setup().aim.tail().translation);
+        let whole = self.setup().aim.fixes_pose() && chain.dof >= 6;
+        let rows = if whole { 6 } else { 3 };
+        let mut jacobian: DMatrix<f64> = DMatrix::zeros(rows, q.len());
+        columns(chain, &workspace, tool, |variable, linear, angular| {
+            let turn = angular.map(|x| x * self.setup().rotation_scale);
+            for (r, x) in linear.into_iter().chain(turn).take(rows).enumerate() {
+                jacobian[(r, variable)] += x;
+            }
+        });
+        let square: DMatrix<f64> = &jacobian * jacobian.transpose();
+        0.5 * square.determinant().max(f64::MIN_POSITIVE).ln()
+    }
+
     /// What is to be reached.
     pub fn request(&self) -> &Request<'a> {
         &self.request
@@ -58,6 +93,49 @@ impl<'a> Plan<'a> {
         let setup = Setup { settings, ..self.setup().clone() };
         let request = self.request.with(copies, starts);
         Plan { request, setup: Cow::Owned(setup), ..self.clone() }
+    }
+
+    /// What one attempt each from several starts leads to: the start values of target `row`, some
+    /// around them and some from anywhere, `count` in all; each moved to where `second` is best.
+    pub(crate) fn several(
+        &self,
+        level: Level,
+        row: usize,
+        count: usize,
+        second: &Second,
+    ) -> Answers {
+        let dof = self.request.chain().dof();
+        let mut answers = Answers::new(count, dof);
+        let (Some(goal), Some(q0)) = (self.request.goal(row), self.start(row)) else {
+            return answers;
+        };
+        let there = self.setup().at_point(goal);
+        let mut starts = q0.to_vec();
+        let mut start = q0.to_vec();
+        for attempt in 1..count as u32 {
+            start.copy_from_slice(q0);
+            // By turns around the start values, farther each time, and from anywhere.
+            if attempt % 2 == 1 {
+                self.sampler.around(row, 1 + attempt / 4, &mut start);
+            } else {
+                self.sampler.sample(row, attempt / 2, &there, &mut start);
+            }
+            starts.extend_from_slice(&start);
+        }
+        let copies = self.request.copies(row, count);
+        let one = Settings { max_restarts: 0, ..Settings::LEVENBERG_MARQUARDT };
+        let mut plan = self.with(&copies, &starts, one);
+        plan.request = plan.request.with_second(second);
+        let mut all = Some(answers.as_mut());
+        plan.run(level, &mut || all.take(), &mut || true);
+        for (x, (v, about)) in answers
+            .q
+            .chunks_exact_mut(dof)
+            .flat_map(|q| q.iter_mut().zip(self.request.chain().variables().iter().zip(q0)))
+        {
+            *x = wound(v, *x, *about);
+        }
+        answers
     }
 
     /// Where the first attempt at target `row` starts, unless that is left to chance.

@@ -3,7 +3,7 @@
 use super::Settings;
 use super::start::Ranking;
 use super::step::{Feedback, Lengths, StartRule, middle};
-use crate::call::{Aim, Measure, Tolerance};
+use crate::call::{Aim, Measure, Merit, Second, Tolerance};
 use crate::chain::{Chain, JointKind, Reach, Tail};
 use crate::error::Result;
 use crate::task::{Goal, rotation_scale};
@@ -83,6 +83,8 @@ pub struct Setup {
     pub(super) usual_start: Option<Vec<f64>>,
     pub(super) ranking: Ranking,
     pub(super) tool_reach: Reach,
+    /// What answers are moved to be best at.
+    pub(super) second: Option<Second>,
     /// Joint values of the chain that it was made for.
     pub(super) dof: usize,
 }
@@ -112,6 +114,11 @@ impl Setup {
             }
         }
         goal
+    }
+
+    /// The same setup, with a second aim of its own.
+    pub fn with_second(self, second: Second) -> Self {
+        Self { second: Some(second), ..self }
     }
 
     /// A checked setup.
@@ -156,6 +163,11 @@ impl Setup {
             StartRule::Middle => Some(middle(chain)),
         };
         let ranking = ranking(&aim, near, point, rotation_scale);
+        let second = if settings.plain || settings.step.is_feedback() {
+            None
+        } else {
+            Some(Second::new(chain, Merit::OffLimits, None, None)?)
+        };
         Ok(Self {
             aim,
             settings,
@@ -167,6 +179,7 @@ impl Setup {
             usual_start,
             ranking,
             tool_reach,
+            second,
             dof: chain.dof(),
         })
     }

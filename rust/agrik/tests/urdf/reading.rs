@@ -325,3 +325,19 @@ proptest! {
         prop_assert!(matches!(result, Err(Error::Description { .. })), "{:?}", result);
     }
 }
+
+#[test]
+fn velocities_are_read_and_followers_narrow_those_of_their_leader() {
+    let limit = r#"<limit lower="-1" upper="1" velocity="2.5"/>"#;
+    let follows = r#"<limit velocity="3"/><mimic joint="one" multiplier="-2"/>"#;
+    let joints = [
+        joint("one", "revolute", "a", "b", limit),
+        // The format asks for the number, so that 0 says nothing.
+        joint("two", "continuous", "b", "c", r#"<limit velocity="0"/>"#),
+        joint("three", "continuous", "c", "d", follows),
+    ];
+    let chain = load(&robot("a b c d", &joints.concat()));
+    let fastest: Vec<f64> = chain.variables().iter().map(|v| v.motion.velocity).collect();
+    assert_eq!(fastest, [1.5, f64::INFINITY]);
+    assert_eq!(chain.joints()[0].motion.velocity, 2.5);
+}

@@ -20,7 +20,9 @@ pub(super) fn build(tree: &Tree<'_>, declared: &Declared<'_>) -> Result<Joint> {
     let mut kind = declared.kind()?;
     let mut limits = STILL;
     let mut mimic = None;
+    let mut velocity = f64::INFINITY;
     if kind != JointKind::Fixed {
+        velocity = declared.velocity()?;
         let leader = Leader::of(tree, declared)?;
         limits = match declared.limits(kind)? {
             Some(limits) => limits,
@@ -35,11 +37,13 @@ pub(super) fn build(tree: &Tree<'_>, declared: &Declared<'_>) -> Result<Joint> {
         }
         if let Some(leader) = leader {
             limits = (limits.0.max(leader.bounds.0), limits.1.min(leader.bounds.1));
+            velocity = velocity.min(leader.velocity);
             mimic = Some(leader.into_mimic());
         }
     }
     let mut joint = Joint::new(declared.name, kind, limits.0, limits.1);
     joint.origin = declared.origin()?;
+    joint.motion.velocity = velocity;
     joint.mimic = mimic;
     joint.child_link = declared.child.to_string();
     if kind != JointKind::Fixed {
@@ -56,14 +60,26 @@ struct Leader<'a> {
     limits: (f64, f64),
     /// What the followers in between leave of the follower's own values.
     bounds: (f64, f64),
+    /// How fast the follower can be at most, by the joints that it follows.
+    velocity: f64,
 }
 
 impl<'a> Leader<'a> {
     fn of<'t>(tree: &'t Tree<'a>, follower: &'t Declared<'a>) -> Result<Option<Self>> {
-        let mut leader =
-            Self { name: follower.name, multiplier: 1.0, offset: 0.0, limits: FREE, bounds: FREE };
+        let mut leader = Self {
+            name: follower.name,
+            multiplier: 1.0,
+            offset: 0.0,
+            limits: FREE,
+            bounds: FREE,
+            velocity: f64::INFINITY,
+        };
         let mut current = follower;
         for _ in 0..=limits::FOLLOWERS.min(tree.joint_count()) {
+            if !std::ptr::eq(current, follower) && leader.multiplier != 0.0 {
+                let fastest = leader.multiplier.abs() * current.velocity()?;
+                leader.velocity = leader.velocity.min(fastest);
+            }
             let Some(element) = current.element.child("mimic") else {
                 if std::ptr::eq(current, follower) {
                     return Ok(None);
@@ -171,6 +187,21 @@ impl Declared<'_> {
             return Err(fault(format!("{place}: lower limit {lower} > upper limit {upper}")));
         }
         Ok(Some((lower, upper)))
+    }
+
+    /// Largest speed; infinite where none is stated. The format asks for the attribute, so that
+    /// files of arms of which nobody knows it say 0.
+    fn velocity(&self) -> Result<f64> {
+        let stated = self.element.child("limit").map(|e| self.limit(e, "velocity"));
+        match stated.transpose()?.flatten() {
+            None | Some(0.0) => Ok(f64::INFINITY),
+            Some(velocity) if velocity > 0.0 => Ok(velocity),
+            Some(velocity) => {
+                let place = self.place();
+                let expected = "expected a number above 0, or 0 where nobody knows it";
+                Err(fault(format!("{place}: <limit> velocity: {expected}, got {velocity}")))
+            }
+        }
     }
 
     fn without_limits(&self, kind: JointKind) -> Error {

@@ -4,10 +4,10 @@ use std::cmp::Ordering;
 
 use smallvec::smallvec;
 
-use super::Engine;
 use super::feedback::Halt;
 use super::nearest::{End, Search};
 use super::runs::{Place, Runs};
+use super::{Engine, LAW, SECOND};
 use crate::call::{AnswersMut, Guard, Left, Outcome, Prefer, Status};
 use crate::chain::Variable;
 use crate::kinematics::{PerJoint, Workspace, forward};
@@ -37,9 +37,9 @@ const MOST_REFUSED: usize = 64;
 #[derive(Debug, Clone)]
 pub(super) struct Job {
     /// Where its answer goes; `None` for an idle lane.
-    place: Option<Place>,
+    pub place: Option<Place>,
     /// Row in the whole call, and its goal.
-    row: usize,
+    pub row: usize,
     goal: Goal<f64>,
     attempt: u32,
     /// Steps of this attempt, and of all before it.
@@ -85,11 +85,11 @@ impl Job {
     }
 }
 
-impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R, T, M, FEEDBACK> {
+impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, WAY> {
     /// How a lane's attempt ended.
     #[inline(always)]
     pub(super) fn status(&self, lane: usize, solved: bool, halt: Halt) -> Status {
-        let plain = FEEDBACK || self.setup.settings.plain;
+        let plain = WAY == LAW || self.setup.settings.plain;
         if solved {
             Status::Converged
         } else if plain && halt.broken >> lane & 1 != 0 {
@@ -340,6 +340,10 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
     ) -> bool {
         loop {
             let Some((place, row)) = runs.next_row(next) else { return false };
+            if WAY == SECOND && !runs.is_reached(place) {
+                runs.keep(place);
+                continue;
+            }
             let Some(goal) = self.plan.request.goal(row) else {
                 let outcome = Outcome::unanswered(Status::BadInput);
                 runs.finish(place, outcome, self.variables.iter().map(Variable::near_zero));
@@ -358,6 +362,9 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
             job.best = None;
             job.accepted = None;
             job.refused.clear();
+            if WAY == SECOND {
+                self.begin.copy_from_slice(runs.q(place));
+            }
             self.start(lane, row, 0, &goal);
             return true;
         }
@@ -368,9 +375,10 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
     fn start(&mut self, lane: usize, row: usize, attempt: u32, goal: &Goal<f64>) {
         let given = self.plan.start(row);
         let begin: &[f64] = match given {
+            _ if WAY == SECOND => &self.begin,
             Some(start) if attempt == 0 => start,
             Some(start)
-                if !FEEDBACK && attempt <= AROUND && self.plan.request.start(row).is_some() =>
+                if WAY != LAW && attempt <= AROUND && self.plan.request.start(row).is_some() =>
             {
                 self.begin.copy_from_slice(start);
                 self.plan.sampler.around(row, attempt, &mut self.begin);
@@ -399,7 +407,10 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R,
                 }
             }
         }
-        if FEEDBACK {
+        if WAY == SECOND {
+            self.begin_second(lane, row);
+        }
+        if WAY == LAW {
             self.memory.reset(self.setup.feedback.as_ref(), lane);
         }
     }

@@ -108,7 +108,7 @@ fn times<R: Real>(row: &[(usize, f64)], v: &[R]) -> R {
     sum
 }
 
-impl<R: Real, T: Rows<R, M>, const M: usize, const FEEDBACK: bool> Engine<'_, R, T, M, FEEDBACK> {
+impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, WAY> {
     /// One step of the lanes in `moving`; returns those that will not get further.
     #[inline(always)]
     pub(super) fn feedback_step(&mut self, error: &TaskError<R, M>, moving: u32) -> Halt {

@@ -42,7 +42,7 @@ const SQUARE: usize = 64;
 
 /// An end of a search.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct End {
+pub(in crate::solve) struct End {
     /// Half the squared error, m^2.
     pub cost: f64,
     pub position_error: f64,
@@ -91,7 +91,7 @@ impl End {
 
 /// What searches for one row share.
 #[derive(Clone, Copy)]
-pub(super) struct Search<'p> {
+pub(in crate::solve) struct Search<'p> {
     pub plan: &'p Plan<'p>,
     pub limits: &'p [Limit],
     pub goal: Goal<f64>,

@@ -2,7 +2,7 @@
 
 use smallvec::SmallVec;
 
-use crate::call::{AnswersMut, Outcome};
+use crate::call::{AnswersMut, Outcome, Status};
 
 /// The runs in work, one to a slot.
 pub(super) struct Runs<'a>(SmallVec<[Option<Open<'a>>; 2]>);
@@ -56,6 +56,31 @@ impl<'a> Runs<'a> {
         for (to, from) in open.run.finish(i, outcome).iter_mut().zip(q) {
             *to = from;
         }
+        open.unfinished -= 1;
+        if open.unfinished == 0 {
+            self.0[slot] = None;
+        }
+    }
+
+    /// A row has an answer that reached its target.
+    pub fn is_reached(&self, (slot, i): Place) -> bool {
+        self.0[slot].as_ref().is_some_and(|open| open.run.ended(i, Status::Converged))
+    }
+
+    /// The joint values that a row has.
+    pub fn q(&self, (slot, i): Place) -> &[f64] {
+        self.0[slot].as_ref().map_or(&[], |open| open.run.q(i))
+    }
+
+    /// What a row says, which reached its target.
+    pub fn outcome(&self, (slot, i): Place) -> Outcome {
+        let none = Outcome::unanswered(Status::NotFound);
+        self.0[slot].as_ref().map_or(none, |open| open.run.outcome(i))
+    }
+
+    /// Leaves a row as it is, and lets its run go with the last one.
+    pub fn keep(&mut self, (slot, _): Place) {
+        let Some(open) = &mut self.0[slot] else { return };
         open.unfinished -= 1;
         if open.unfinished == 0 {
             self.0[slot] = None;

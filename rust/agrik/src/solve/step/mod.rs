@@ -326,7 +326,7 @@ impl Step {
     }
 
     /// A feedback law.
-    pub(super) fn is_feedback(&self) -> bool {
+    pub(crate) fn is_feedback(&self) -> bool {
         matches!(
             self,
             Self::CyclicCoordinateDescent
@@ -394,7 +394,7 @@ pub(super) fn dot<R: Real, const M: usize>(column: &[R; M], v: &[R; M]) -> R {
 ///
 /// In two passes over the columns: the sums of all rows at once would not fit the registers.
 #[inline(always)]
-fn gram<R: Real, const M: usize>(columns: &[[R; M]]) -> [[R; M]; M] {
+pub(super) fn gram<R: Real, const M: usize>(columns: &[[R; M]]) -> [[R; M]; M] {
     let mut a = [[R::zero(); M]; M];
     let half = M.min(4);
     for c in columns {

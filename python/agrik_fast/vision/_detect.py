@@ -1,0 +1,449 @@
+"""Ripe fruits in a picture: red blobs, the cones of their outlines, and how sure they are."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._checks import FloatArray, finite_array, real_number
+from ..errors import ArgumentError
+from ._camera import Camera
+from ._cone import Cone, best_cone
+from ._cv import opencv
+from ._images import Image, checked_image, of_kind, same_size
+from ._scenes import across
+
+__all__ = ["Detection", "DetectionStatus", "Detector", "red_mask"]
+
+# ---- what is red: OpenCV's hue is 0 to 179 --------------------------------------------------
+_RED_BELOW, _RED_ABOVE = 10, 168
+_SATURATION, _VALUE = 90, 15
+
+_AREA = 60
+_MOST_BLOBS = 8
+_MOST_IN_BLOB = 6
+_LEFT_OVER = 0.1
+_ON_CONE_PX = 1.3
+_TAKEN_PX = 3.0
+_SECTORS = 36
+_BORDER_PX = 2
+# Half axes of an outline that counts as an ellipse, and by how much its fit has to be better.
+_ROUND, _LONGEST = 1.05, 1.7
+_BETTER = 0.6
+# A circle with less red inside is the edge of something that lies before a fruit.
+_LEAST_FILL = 0.3
+# A fruit whose outline is less than half of its blob's is one of a cluster, and then all red:
+# a photograph's ragged shapes hold circles that are neither.
+_OWN_OUTLINE, _ALL_RED = 0.5, 0.85
+
+
+class DetectionStatus(IntEnum):
+    """How a detection may be used."""
+
+    OK = 0
+    """Fit to approach."""
+
+    WEAK = 1
+    """Reported, never approached: too little outline, too little red, or not round."""
+
+    EDGE = 2
+    """The picture's border cuts it: the position holds, the size less so; not approached."""
+
+    NOT_FOUND = 3
+    """Nothing was found: what a tracker or a table says of a whole picture."""
+
+
+@dataclass(frozen=True)
+class Detection:
+    """A fruit that was found.
+
+    Attributes
+    ----------
+    status : DetectionStatus
+        Whether it may be approached.
+    kind : str
+        sphere, or spheroid for a flattened fruit.
+    axis : ndarray, shape (3,)
+        Unit vector towards its centre, in the camera's frame.
+    uv : ndarray, shape (2,), pixels
+        Where its centre is in the picture.
+    alpha : float, rad
+        Half angle in which it is seen.
+    radius_px : float, pixels
+        The same as a length, focal length times tan(alpha).
+    cover : float
+        Share of 36 sectors around the centre in which its outline was seen.
+    fill : float
+        Share of its disc that is red.
+    score : float
+        cover times the share of the outline that fits; larger is better.
+    """
+
+    status: DetectionStatus
+    kind: str
+    axis: FloatArray
+    uv: FloatArray
+    alpha: float
+    radius_px: float
+    cover: float
+    fill: float
+    score: float
+
+    def distance(self, radius: float) -> float:
+        """Return how far its centre is, m, by a known radius (m): R / sin(alpha).
+
+        An error of the radius is passed on one to one: 5 % of R are 5 % of the distance.
+        """
+        return real_number("radius", radius, 0, open_low=True, unit="m") / math.sin(self.alpha)
+
+    def centre(self, radius: float) -> FloatArray:
+        """Return its centre, shape (3,), m, in the camera's frame, by a known radius (m)."""
+        return self.distance(radius) * self.axis
+
+
+def red_mask(image: Image) -> NDArray[np.uint8]:
+    """Return where a picture is red, 255, and where not, 0.
+
+    Hue 0 to 10 or 168 to 179 of 180, saturation >= 90, value >= 15 after a 3 x 3 blur: the shaded
+    side of a fruit is dark, red soil is less saturated and more orange. Then small specks are
+    removed and small gaps closed.
+
+    Parameters
+    ----------
+    image : ndarray, shape (height, width, 3), uint8
+        Blue, green, red.
+    """
+    cv2 = opencv()
+    image = checked_image("image", image)
+    hsv = cv2.cvtColor(cv2.GaussianBlur(image, (3, 3), 0), cv2.COLOR_BGR2HSV)
+    low = cv2.inRange(hsv, (0, _SATURATION, _VALUE), (_RED_BELOW, 255, 255))
+    high = cv2.inRange(hsv, (_RED_ABOVE, _SATURATION, _VALUE), (179, 255, 255))
+    mask = cv2.morphologyEx(low | high, cv2.MORPH_OPEN, _kernel(3))
+    closed: NDArray[np.uint8] = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _kernel(7))
+    return closed
+
+
+def _kernel(size: int) -> Any:
+    cv2 = opencv()
+    return cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+
+
+class Detector:
+    """Finds ripe fruits in the pictures of one camera.
+
+    Parameters
+    ----------
+    camera : Camera
+        Its calibration.
+    radius : tuple of 2 floats, m, optional
+        Least and largest radius that a fruit may have; with `distance`, what is too small or too
+        large in the picture is discarded.
+    distance : tuple of 2 floats, m, optional
+        Least and largest distance of a fruit.
+    edge_bias_px : float, default 0.0, pixels
+        Added to every outline's radius. One picture of a measured ball at a known distance tells
+        it for a real camera.
+    least_cover : float, default 0.38
+        Share of 36 sectors of the outline that ``OK`` needs.
+    least_fill : float, default 0.5
+        Share of red inside that ``OK`` needs.
+    least_score : float, default 0.12
+        Score that ``OK`` needs; choose it on photographs of your own.
+
+    Raises
+    ------
+    ArgumentError
+        A number is out of its range.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Detector, paper_camera, random_scene, render
+    >>> picture = render(random_scene("clean", seed=1))
+    >>> found = Detector(paper_camera()).detect(picture.image)
+    >>> [each.status.name for each in found]
+    ['OK']
+    """
+
+    def __init__(
+        self,
+        camera: Camera,
+        *,
+        radius: tuple[float, float] | None = None,
+        distance: tuple[float, float] | None = None,
+        edge_bias_px: float = 0.0,
+        least_cover: float = 0.38,
+        least_fill: float = 0.5,
+        least_score: float = 0.12,
+    ) -> None:
+        self.camera = of_kind("camera", camera, Camera)
+        if (radius is None) != (distance is None):
+            raise ArgumentError("radius, distance", "one of them", "both or neither")
+        self.narrowest, self.widest = 0.0, math.inf
+        if radius is not None and distance is not None:
+            small, large = _range("radius", radius)
+            near, far = _range("distance", distance)
+            self.narrowest = math.asin(min(small / far, 1.0))
+            self.widest = math.asin(min(large / near, 1.0))
+        self.edge_bias_px = real_number("edge_bias_px", edge_bias_px, -20, 20, unit="pixels")
+        self.least_cover = real_number("least_cover", least_cover, 0, 1)
+        self.least_fill = real_number("least_fill", least_fill, 0, 1)
+        self.least_score = real_number("least_score", least_score, 0, 1)
+
+    def detect(self, image: Image) -> list[Detection]:
+        """Return the fruits of a picture, the best first; empty where there are none.
+
+        Parameters
+        ----------
+        image : ndarray, shape (height, width, 3), uint8
+            Blue, green, red, of the calibration's size.
+
+        Raises
+        ------
+        ArgumentError
+            It is grey, of floats, empty, tiny, or of another size than the calibration.
+        """
+        image = checked_image("image", image)
+        same_size("image", image, self.camera.width, self.camera.height)
+        return self.in_mask(red_mask(image))
+
+    def bias(self, image: Image, radius: float, distance: float) -> float:
+        """Return the `edge_bias_px` by which a measured ball comes out at its distance.
+
+        Parameters
+        ----------
+        image : ndarray, shape (height, width, 3), uint8
+            A picture of one ball.
+        radius, distance : float, m
+            Its radius, and how far its centre is.
+
+        Raises
+        ------
+        ArgumentError
+            The picture does not show exactly one round fruit that is ok.
+        """
+        radius = real_number("radius", radius, 0, open_low=True, unit="m")
+        distance = real_number("distance", distance, radius, open_low=True, unit="m")
+        sure = [each for each in self.detect(image) if each.status == DetectionStatus.OK]
+        if len(sure) != 1:
+            raise ArgumentError("image", f"{len(sure)} fruits that are ok", "one measured ball")
+        off = math.asin(radius / distance) - sure[0].alpha
+        return self.edge_bias_px + off * self.camera.focal
+
+    def in_mask(self, mask: NDArray[np.uint8]) -> list[Detection]:
+        """Return the round fruits of a mask: one of your own, whatever colour it stands for.
+
+        Parameters
+        ----------
+        mask : ndarray, shape (height, width), uint8
+            Not 0 where there is fruit.
+
+        Raises
+        ------
+        ArgumentError
+            It is no mask of the calibration's size.
+        """
+        cv2 = opencv()
+        shape = (self.camera.height, self.camera.width)
+        given: object = mask
+        if not isinstance(given, np.ndarray) or mask.dtype != np.uint8 or mask.shape != shape:
+            received = f"{getattr(mask, 'dtype', type(mask).__name__)}, {np.shape(mask)}"
+            raise ArgumentError("mask", received, f"uint8, shape {shape}")
+        outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        least = _AREA * (self.camera.width / 320) ** 2
+        sized = [(cv2.contourArea(each), each[:, 0, :]) for each in outlines]
+        sized = [(area, each) for area, each in sized if area >= least]
+        sized.sort(key=lambda pair: -pair[0])
+        found: list[Detection] = []
+        for area, outline in sized[:_MOST_BLOBS]:
+            hull = cv2.contourArea(cv2.convexHull(outline))
+            found += self._in_blob(mask, outline, area / max(hull, 1.0))
+        return _without_nested(found)
+
+    # ---- one blob ----------------------------------------------------------------------------
+
+    def _in_blob(self, mask: NDArray[np.uint8], outline: Any, solidity: float) -> list[Detection]:
+        camera = self.camera
+        # The border of the picture is no outline.
+        limit = np.array([camera.width, camera.height]) - 1 - _BORDER_PX
+        inside = ((outline >= _BORDER_PX) & (outline <= limit)).all(axis=1)
+        edge = not bool(inside.all())
+        pixels = outline[inside].astype(np.float64)
+        if len(pixels) < 6:
+            return []
+        rays = left = camera.rays(pixels)
+        found: list[Detection] = []
+        for _ in range(_MOST_IN_BLOB):
+            if len(left) < max(_LEFT_OVER * len(rays), 6):
+                break
+            best = best_cone(left, _ON_CONE_PX / camera.focal, self.narrowest * 0.98, self.widest)
+            if best is None:
+                break
+            cone, on = best
+            share = float(on.sum()) / len(left)
+            detection = None
+            if not found and solidity >= 0.96 and not edge:
+                detection = self._spheroid(mask, rays, cone, share)
+            if detection is None:
+                detection = self._detection("sphere", mask, cone, rays, share, edge)
+            if detection is not None:
+                found.append(detection)
+            if detection is not None and detection.kind == "spheroid":
+                break
+            left = left[np.abs(cone.off(left)) >= _TAKEN_PX / camera.focal]
+        return found
+
+    def _detection(
+        self,
+        kind: str,
+        mask: NDArray[np.uint8],
+        cone: Cone,
+        rays: FloatArray,
+        share: float,
+        edge: bool,
+        on: NDArray[np.bool_] | None = None,
+    ) -> Detection | None:
+        """Return what a cone is worth, or None where it is out of bounds."""
+        camera = self.camera
+        if on is None:
+            on = np.abs(cone.off(rays)) < _ON_CONE_PX / camera.focal
+        first, second = across(cone.axis)
+        turn = np.arctan2(rays[on] @ second, rays[on] @ first)
+        sectors = np.floor((turn / (2 * math.pi) + 0.5) * _SECTORS).astype(int) % _SECTORS
+        cover = len(np.unique(sectors)) / _SECTORS
+        # The outline runs through the outermost pixels inside: half a pixel more.
+        alpha = cone.alpha + (0.5 + self.edge_bias_px) / camera.focal
+        if not (self.narrowest <= alpha <= self.widest and 0 < alpha < math.pi / 2):
+            return None
+        fill = self._fill(mask, cone.axis, alpha)
+        if fill < _LEAST_FILL:
+            return None
+        score = cover * share
+        status = DetectionStatus.WEAK
+        if edge and self._at_border(cone.axis, alpha):
+            sound = score >= self.least_score and fill >= self.least_fill
+            status = DetectionStatus.EDGE if sound else DetectionStatus.WEAK
+        elif (
+            cover >= self.least_cover
+            and fill >= self.least_fill
+            and score >= self.least_score
+            and (float(on.mean()) >= _OWN_OUTLINE or fill >= _ALL_RED)
+        ):
+            status = DetectionStatus.OK
+        return Detection(
+            status,
+            kind,
+            cone.axis,
+            camera.project(cone.axis),
+            alpha,
+            camera.focal * math.tan(alpha),
+            cover,
+            fill,
+            score,
+        )
+
+    def _fill(self, mask: NDArray[np.uint8], axis: FloatArray, alpha: float) -> float:
+        """Return the share of a disc that is in the mask, of that part that is in the picture."""
+        camera = self.camera
+        uv = camera.project(axis)
+        if not np.isfinite(uv).all():
+            return 0.0
+        # Off the axis a disc is longer than it is wide.
+        half = 1.3 * camera.focal * math.tan(alpha) / max(float(axis[2]), 0.3) ** 2 + 2
+        left, top = (max(int(c - half), 0) for c in uv)
+        right, bottom = int(uv[0] + half) + 1, int(uv[1] + half) + 1
+        rays = camera.grid_rays()[top:bottom:2, left:right:2]
+        inside = rays @ axis > math.cos(alpha)
+        count = int(inside.sum())
+        return float((mask[top:bottom:2, left:right:2][inside] > 0).sum() / count) if count else 0.0
+
+    def _at_border(self, axis: FloatArray, alpha: float) -> bool:
+        """Whether a cone reaches the picture's border."""
+        first, second = across(axis)
+        turn = np.linspace(0, 2 * math.pi, 24, endpoint=False)
+        rim = math.cos(alpha) * axis + math.sin(alpha) * (
+            np.cos(turn)[:, None] * first + np.sin(turn)[:, None] * second
+        )
+        uv = self.camera.project(rim)
+        size = np.array([self.camera.width, self.camera.height])
+        return not bool(((uv > 1) & (uv < size - 2)).all())
+
+    def _spheroid(
+        self, mask: NDArray[np.uint8], rays: FloatArray, cone: Cone, share: float
+    ) -> Detection | None:
+        """Return an ellipse on the plane that touches the axis, where it fits much better.
+
+        The longer half axis of an oblate fruit's outline is its equatorial radius from every side.
+        """
+        cv2 = opencv()
+        focal = self.camera.focal
+        first, second = across(cone.axis)
+        depth = rays @ cone.axis
+        flat = focal * np.stack([rays @ first / depth, rays @ second / depth], axis=1)
+        on = np.ones(len(flat), bool)
+        for _ in range(4):
+            if on.sum() < 12:
+                return None
+            middle, sizes, degrees = cv2.fitEllipseDirect(flat[on].astype(np.float32))
+            if not (np.isfinite([*middle, *sizes, degrees]).all() and min(sizes) > 0):
+                return None
+            on = np.abs(_off_ellipse(flat, middle, sizes, degrees)) < 1.5
+        long, short = max(sizes) / 2, min(sizes) / 2
+        off = _off_ellipse(flat, middle, sizes, degrees)
+        fit = float(on.mean())
+        # Either far more of the outline fits, or what fits does so far better.
+        more = share < 0.8 and fit > share + 0.1 and fit > 0.75
+        rough = focal * float(np.sqrt(np.mean(cone.off(rays) ** 2)))
+        better = fit > 0.9 and float(np.sqrt(np.mean(off**2))) < _BETTER * rough
+        if not ((more or better) and _ROUND <= long / short <= _LONGEST):
+            return None
+        axis = cone.axis + (middle[0] * first + middle[1] * second) / focal
+        axis /= np.linalg.norm(axis)
+        found = Cone(axis, math.atan(long / focal))
+        detection = self._detection("spheroid", mask, found, rays, fit, False, on)
+        if detection is None or not math.isfinite(detection.alpha):
+            return None
+        # The disc of the longer half axis is wider than the fruit.
+        fill = min(detection.fill * long / short, 1.0)
+        sound = (
+            detection.cover >= self.least_cover
+            and fill >= self.least_fill
+            and detection.score >= self.least_score
+        )
+        status = DetectionStatus.OK if sound else DetectionStatus.WEAK
+        return replace(detection, fill=fill, status=status)
+
+
+def _off_ellipse(
+    points: FloatArray, middle: FloatArray, sizes: FloatArray, degrees: float
+) -> FloatArray:
+    """Return how far points are outside an ellipse, to first order."""
+    turn = math.radians(degrees)
+    x, y = (points - middle).T
+    u = (x * math.cos(turn) + y * math.sin(turn)) / (sizes[0] / 2)
+    v = (y * math.cos(turn) - x * math.sin(turn)) / (sizes[1] / 2)
+    size = np.hypot(u, v)
+    slope = np.hypot(u / (sizes[0] / 2), v / (sizes[1] / 2))
+    return np.asarray((size - 1) * size / np.maximum(slope, 1e-9))
+
+
+def _without_nested(found: list[Detection]) -> list[Detection]:
+    """Return detections, the best first, without those whose centre lies inside a better one."""
+    kept: list[Detection] = []
+    for each in sorted(found, key=lambda d: (d.status == DetectionStatus.WEAK, -d.score)):
+        if all(
+            math.acos(float(np.clip(each.axis @ other.axis, -1, 1))) > other.alpha for other in kept
+        ):
+            kept.append(each)
+    return kept
+
+
+def _range(name: str, value: object) -> tuple[float, float]:
+    low, high = finite_array(name, value, (2,)).tolist()  # type: ignore[arg-type]
+    if not 0 < low <= high:
+        raise ArgumentError(name, str(value), "two lengths, 0 < least <= largest, m")
+    return low, high

@@ -1,0 +1,5 @@
+//! Ways that are proven free, and plans of them: functions on a `Collider`.
+
+pub mod check;
+pub mod plan;
+mod settings;

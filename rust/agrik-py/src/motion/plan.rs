@@ -1,0 +1,63 @@
+//! Plans of paths.
+
+use agrik_motion::planners::{Cut, Planned, plan};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::check::{contacts, posture};
+use super::settings;
+use crate::collision::collider::Collider;
+use crate::convert::{Floats, array, wrong_shape};
+use crate::errors;
+
+/// Plan from a posture to one of some goals, the best first, shape (m, dof).
+#[pyfunction]
+pub fn motion_plan<'py>(
+    collider: &Bound<'py, Collider>,
+    start: &Bound<'py, PyAny>,
+    goals: &Bound<'py, PyAny>,
+    settings: &Bound<'py, PyDict>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let py = collider.py();
+    let core = collider.get().core();
+    let dof = core.bodies().chain().dof();
+    let start = posture("start", start, dof)?;
+    let goals = Floats::new("goals", goals)?;
+    if goals.shape().len() != 2 || goals.shape()[1] != dof {
+        return Err(wrong_shape(py, "goals", goals.shape(), &format!("(m, {dof})")));
+    }
+    let settings = settings::read(settings)?;
+    let values = goals.values()?;
+    let found = py.detach(|| plan(&core, &start, values, &settings));
+    planned(py, &found.map_err(|error| errors::from_core(py, error))?, dof)
+}
+
+/// A plan's answer as a record.
+pub fn planned<'py>(py: Python<'py>, found: &Planned, dof: usize) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("status", found.status as u8)?;
+    out.set_item("how", found.how.name())?;
+    out.set_item("goal", found.goal)?;
+    out.set_item("path", array(py, &[found.path.len() / dof, dof], found.path.clone())?)?;
+    out.set_item("clearance", array(py, &[found.clearance.len()], found.clearance.clone())?)?;
+    out.set_item("checks", found.checks)?;
+    out.set_item("rounds", found.rounds)?;
+    out.set_item("nearest", found.nearest)?;
+    out.set_item("contact", found.contact.map(|one| contacts(py, &[Some(one)])).transpose()?)?;
+    out.set_item("proof", found.proof.as_ref().map(|cut| proof(py, cut)).transpose()?)?;
+    Ok(out)
+}
+
+fn proof<'py>(py: Python<'py>, cut: &Cut) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("body", cut.body)?;
+    out.set_item("radius", cut.radius)?;
+    out.set_item("cell", cut.cell)?;
+    out.set_item("origin", cut.origin)?;
+    out.set_item("cells", cut.cells)?;
+    out.set_item("at_goal", cut.at_goal)?;
+    out.set_item("start", cut.start)?;
+    let goals: Vec<f64> = cut.goals.iter().flatten().copied().collect();
+    out.set_item("goals", array(py, &[cut.goals.len(), 3], goals)?)?;
+    Ok(out)
+}

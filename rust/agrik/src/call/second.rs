@@ -1,0 +1,149 @@
+//! Second aims: of the postures that reach a target the one that is best by another measure.
+
+use crate::chain::{Chain, JointKind, Variable};
+use crate::error::{Error, Result};
+use crate::kinematics::PerJoint;
+use crate::lanes::Real;
+
+/// By what the freedom that a target leaves is used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Merit {
+    /// Near a posture.
+    Near,
+    /// Near the middle of the limits, in shares of their width.
+    Middle,
+    /// Away from the limits: the sum of `(u - l)^2 / (4 (u - q) (q - l))` (Chan and Dubey 1995).
+    Limits,
+    /// Far from singularities: the root of `det(J J^T)` (Yoshikawa 1985).
+    Manipulability,
+    /// Not exactly at a limit.
+    OffLimits,
+}
+
+impl Merit {
+    /// Every measure with the name that users know it by.
+    pub const ALL: [(&'static str, Self); 4] = [
+        ("near", Self::Near),
+        ("middle", Self::Middle),
+        ("limits", Self::Limits),
+        ("manipulability", Self::Manipulability),
+    ];
+}
+
+/// Share of a joint's range, and way (rad, or m by the robot's size), that [`Merit::OffLimits`]
+/// wants between a joint and its limits.
+const ROOM: f64 = 0.02;
+const MOST_ROOM: f64 = 0.05;
+/// Least distance from a limit that [`Merit::Limits`] counts, as a share of the range.
+const LEAST: f64 = 1e-4;
+
+/// A measure, checked for a chain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Second {
+    pub(crate) measure: Merit,
+    /// The posture of [`Merit::Near`]; without one the start values, or the middle.
+    pub(crate) posture: Option<Vec<f64>>,
+    /// What each joint counts.
+    pub(crate) weights: Vec<f64>,
+    joints: PerJoint<Joint>,
+}
+
+/// What a measure knows of a joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Joint {
+    lower: f64,
+    upper: f64,
+    middle: f64,
+    /// Half of its range; 0 where it has no limits to speak of.
+    half: f64,
+    room: f64,
+}
+
+impl Joint {
+    fn of(v: &Variable, size: f64) -> Self {
+        let bounded = v.upper - v.lower < 1e3 * size.max(1.0) && v.lower < v.upper;
+        let half = if bounded { 0.5 * (v.upper - v.lower) } else { 0.0 };
+        let most = if v.kind == JointKind::Prismatic { MOST_ROOM * size } else { MOST_ROOM };
+        let room = (2.0 * ROOM * half).min(most);
+        Self { lower: v.lower, upper: v.upper, middle: v.middle(), half, room }
+    }
+}
+
+impl Second {
+    /// A checked second aim: `posture` for [`Merit::Near`] alone, and a weight a joint.
+    pub fn new(
+        chain: &Chain,
+        measure: Merit,
+        posture: Option<Vec<f64>>,
+        weights: Option<Vec<f64>>,
+    ) -> Result<Self> {
+        let dof = chain.dof();
+        if let Some(posture) = &posture
+            && (posture.len() != dof || posture.iter().any(|x| !x.is_finite()))
+        {
+            return Err(Error::argument("posture", format!("{dof} finite numbers"), "others"));
+        }
+        let weights = weights.unwrap_or_else(|| vec![1.0; dof]);
+        check_weights(&weights, dof)?;
+        let size = chain.reach().size;
+        let joints = chain.variables().iter().map(|v| Joint::of(v, size)).collect();
+        Ok(Self { measure, posture, weights, joints })
+    }
+
+    /// The slope of the measure at a joint value, where it is the sum of what the joints add.
+    #[inline(always)]
+    pub(crate) fn slope<R: Real>(&self, i: usize, q: R, about: R) -> R {
+        let (joint, weight) = (&self.joints[i], self.weights[i]);
+        let Joint { lower, upper, middle, half, room } = *joint;
+        match self.measure {
+            Merit::Near => (q - about) * R::splat(weight),
+            Merit::Middle if half > 0.0 => {
+                (q - R::splat(middle)) * R::splat(weight / (half * half))
+            }
+            Merit::Limits if half > 0.0 => {
+                let least = R::splat(2.0 * half * LEAST);
+                let up = (R::splat(upper) - q).max(least);
+                let down = (q - R::splat(lower)).max(least);
+                let product = up * down;
+                (down - up) * R::splat(weight * half * half) / (product * product)
+            }
+            Merit::OffLimits => {
+                let none = R::zero();
+                let high = (q - R::splat(upper - room)).max(none);
+                let low = (R::splat(lower + room) - q).max(none);
+                high - low
+            }
+            _ => R::zero(),
+        }
+    }
+
+    /// What a joint adds to the measure; the less the better.
+    pub(crate) fn value(&self, i: usize, q: f64, about: f64) -> f64 {
+        let (joint, weight) = (&self.joints[i], self.weights[i]);
+        let Joint { lower, upper, middle, half, .. } = *joint;
+        match self.measure {
+            Merit::Near => 0.5 * weight * (q - about).powi(2),
+            Merit::Middle if half > 0.0 => 0.5 * weight * ((q - middle) / half).powi(2),
+            Merit::Limits if half > 0.0 => {
+                let least = 2.0 * half * LEAST;
+                weight * half * half / ((upper - q).max(least) * (q - lower).max(least))
+            }
+            Merit::OffLimits => f64::from(u8::from(q <= lower || q >= upper)),
+            _ => 0.0,
+        }
+    }
+}
+
+/// Refuses what cannot weigh joints.
+pub fn check_weights(weights: &[f64], dof: usize) -> Result<()> {
+    if weights.len() != dof {
+        return Err(Error::argument("weights", format!("{dof} numbers"), weights.len()));
+    }
+    match weights.iter().find(|x| !(x.is_finite() && **x >= 0.0)) {
+        Some(bad) => Err(Error::argument("weights", "finite numbers, 0 or more", bad)),
+        None if weights.iter().all(|x| *x == 0.0) => {
+            Err(Error::argument("weights", "at least one number above 0", "none"))
+        }
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,286 @@
+//! Steps that keep a target reached and better a second measure, until that is as good as the
+//! freedom around allows.
+//!
+//! The slope of the measure is projected on the null space of the task's Jacobian; how far a
+//! step goes along it follows from the change of that projection over the step before (Barzilai
+//! and Borwein 1988), which is the secant method where one joint is to spare. Joints at a limit
+//! that the way would push outward stand still.
+
+use smallvec::smallvec;
+
+use super::Engine;
+use super::runs::Runs;
+use crate::call::{Merit, Outcome, Second, Status};
+use crate::kinematics::{PerJoint, columns};
+use crate::lanes::{Real, V3, cross, dot, scale};
+use crate::solve::linear::solve_spd;
+use crate::solve::step::pulled;
+use crate::task::{Rows, TaskError};
+
+/// Most steps of a target: of a measure, and off limits.
+const STEPS: u32 = 60;
+const FEW: u32 = 12;
+/// Longest change of a joint along the measure in one step, and the one of a first step whose
+/// length nothing tells, rad or sizes of the robot.
+const LONGEST: f64 = 0.3;
+const FIRST: f64 = 0.1;
+/// A step along the measure below this is none.
+const SETTLED: f64 = 1e-7;
+/// Times that joints are held in one step.
+const HOLDS: usize = 3;
+/// Part of the trace that keeps `J J^T` from being singular.
+const FLOOR: f64 = 1e-9;
+
+/// What is remembered from step to step, lane by lane.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Memory<R> {
+    /// The projected way down the measure, and the one of the step before with its posture.
+    along: PerJoint<R>,
+    before: PerJoint<R>,
+    before_q: PerJoint<R>,
+    about: PerJoint<R>,
+    columns: PerJoint<(usize, V3<R>, V3<R>)>,
+    /// 1 where a step was taken, else 0.
+    stepped: R,
+    /// Lanes at which there is nothing more to do.
+    pub settled: u32,
+}
+
+/// Most steps of a target.
+pub(super) fn most_steps(second: &Second) -> u32 {
+    if second.measure == Merit::OffLimits { FEW } else { STEPS }
+}
+
+impl<R: Real> Memory<R> {
+    pub fn new(dof: usize) -> Self {
+        let zeros = || smallvec![R::zero(); dof];
+        Self {
+            along: zeros(),
+            before: zeros(),
+            before_q: zeros(),
+            about: zeros(),
+            columns: PerJoint::new(),
+            stepped: R::zero(),
+            settled: 0,
+        }
+    }
+}
+
+impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, WAY> {
+    /// Puts a lane to the beginning: what its measure is about, and no step so far.
+    pub(super) fn begin_second(&mut self, lane: usize, row: usize) {
+        let Some(second) = self.plan.second_aim() else { return };
+        self.second.stepped.set_lane(lane, 0.0);
+        self.second.settled &= !(1 << lane);
+        let start = self.plan.start(row);
+        for (i, about) in self.second.about.iter_mut().enumerate() {
+            let at = match (&second.posture, start) {
+                (Some(posture), _) => posture[i],
+                (None, Some(start)) => start[i],
+                (None, None) => self.limits[i].middle,
+            };
+            about.set_lane(lane, at);
+        }
+    }
+
+    /// One step of the lanes in `moving`.
+    #[inline(always)]
+    pub(super) fn second_step(&mut self, error: &TaskError<R, M>, moving: u32) {
+        let Some(second) = self.plan.second_aim() else { return };
+        let (squared, per_radian) = self.fill_columns(error);
+        for (i, pull) in self.pull.iter_mut().enumerate() {
+            *pull = -second.slope(i, self.q[i], self.second.about[i]);
+        }
+        if second.measure == Merit::Manipulability {
+            self.pull_to_dexterity();
+        }
+        if self.stretches {
+            for (v, pull) in self.limits.iter().zip(&mut self.pull) {
+                if v.slides {
+                    *pull *= per_radian;
+                }
+            }
+        }
+        let (lengths, none) = (&self.setup.lengths, [R::zero(); M]);
+        for _ in 0..HOLDS {
+            pulled::step(&self.columns, &none, &self.pull, lengths, &mut self.second.along);
+            if !self.hold_outward() {
+                break;
+            }
+        }
+        // How far: by what the step before changed.
+        let (mut moved, mut turned, mut longest) = (R::zero(), R::zero(), R::splat(1e-300));
+        let memory = &mut self.second;
+        let ways = memory.along.iter().zip(&mut memory.before);
+        for ((v, (way, before)), (q, q_before)) in
+            self.limits.iter().zip(ways).zip(self.q.iter().zip(&mut memory.before_q))
+        {
+            let change = *q - *q_before;
+            let change = if self.stretches && v.slides { change / per_radian } else { change };
+            moved = change.mul_add(change, moved);
+            turned = change.mul_add(*before - *way, turned);
+            longest = longest.max(way.abs());
+            (*before, *q_before) = (*way, *q);
+        }
+        let known = R::and(R::splat(0.5).lt(memory.stepped), R::zero().lt(turned));
+        let secant = moved / R::select(known, turned, R::splat(1.0));
+        let usual = match second.measure {
+            Merit::Near | Merit::OffLimits => R::splat(1.0),
+            _ => R::splat(FIRST) / longest,
+        };
+        let far = R::splat(LONGEST) / longest;
+        let downward = R::and(R::splat(0.5).lt(memory.stepped), turned.le(R::zero()));
+        let length = if second.measure == Merit::OffLimits {
+            usual.min(far)
+        } else {
+            let usual = R::select(downward, far, usual);
+            R::select(known, secant, usual).min(far)
+        };
+        let still = R::bits((length * longest).lt(R::splat(SETTLED)));
+        memory.stepped = R::select(R::mask_from_bits(moving), R::splat(1.0), memory.stepped);
+        for (pull, way) in self.pull.iter_mut().zip(&memory.along) {
+            *pull = length * *way;
+        }
+        if second.measure == Merit::OffLimits {
+            let mut at_limit = R::mask_from_bits(0);
+            for (v, q) in self.limits.iter().zip(&self.q) {
+                if !v.turns {
+                    let (lower, upper) = (R::splat(v.lower), R::splat(v.upper));
+                    at_limit = R::or(at_limit, R::or(q.le(lower), upper.le(*q)));
+                }
+            }
+            memory.settled = memory.settled & !moving | (!R::bits(at_limit) | still) & moving;
+        } else {
+            memory.settled = memory.settled & !moving | still & moving;
+        }
+        pulled::step(&self.columns, &error.rows, &self.pull, lengths, &mut self.change);
+        self.apply(moving, squared, per_radian);
+    }
+
+    /// Holds the joints at a limit that the way along the measure would push outward; true where
+    /// there were some.
+    #[inline(always)]
+    fn hold_outward(&mut self) -> bool {
+        let mut any = R::mask_from_bits(0);
+        let joints = self.limits.iter().zip(&self.q).zip(&self.second.along);
+        for (((v, q), way), (column, pull)) in
+            joints.zip(self.columns.iter_mut().zip(&mut self.pull))
+        {
+            if v.turns {
+                continue;
+            }
+            let low = R::and(q.le(R::splat(v.lower)), way.lt(R::zero()));
+            let high = R::and(R::splat(v.upper).le(*q), R::zero().lt(*way));
+            let held = R::or(low, high);
+            if R::bits(held) == 0 {
+                continue;
+            }
+            any = R::or(any, held);
+            for x in column.iter_mut() {
+                *x = R::select(held, R::zero(), *x);
+            }
+            *pull = R::select(held, R::zero(), *pull);
+        }
+        R::bits(any) != 0
+    }
+
+    /// The slope of the logarithm of the manipulability as the pull: how the columns of the
+    /// Jacobian change with each joint, seen by the inverse of `J J^T`.
+    #[inline(always)]
+    fn pull_to_dexterity(&mut self) {
+        let compiled = self.plan.request.chain().compiled();
+        let point = self.workspace.tool_point(self.setup.aim.tail().translation);
+        let (found, workspace) = (&mut self.second.columns, &self.workspace);
+        found.clear();
+        columns(compiled, workspace, point, |variable, linear, angular| {
+            found.push((variable, linear, angular));
+        });
+        let size = R::splat(self.setup.rotation_scale);
+        let whole = self.setup.aim.fixes_pose() && compiled.dof >= 6;
+        let row = |(_, linear, angular): &(usize, V3<R>, V3<R>)| {
+            let turn = if whole { scale(*angular, size) } else { [R::zero(); 3] };
+            [linear[0], linear[1], linear[2], turn[0], turn[1], turn[2]]
+        };
+        // Of the sums of the links that follow one joint.
+        let mut sums: PerJoint<[R; 6]> = smallvec![[R::zero(); 6]; self.q.len()];
+        for one in &self.second.columns {
+            for (sum, x) in sums[one.0].iter_mut().zip(row(one)) {
+                *sum += x;
+            }
+        }
+        let mut square = [[R::zero(); 6]; 6];
+        for c in &sums {
+            for i in 0..6 {
+                for k in 0..=i {
+                    square[i][k] = c[i].mul_add(c[k], square[i][k]);
+                }
+            }
+        }
+        let mut trace = R::splat(1e-300);
+        for (i, line) in square.iter().enumerate() {
+            trace += line[i];
+        }
+        for (i, line) in square.iter_mut().enumerate() {
+            line[i] += if whole || i < 3 { trace * R::splat(FLOOR) } else { R::splat(1.0) };
+        }
+        for pull in &mut self.pull {
+            *pull = R::zero();
+        }
+        let links = &self.second.columns;
+        for (i, (variable, linear, angular)) in links.iter().enumerate() {
+            // What a change of this column is worth.
+            let worth = solve_spd(&mut square.clone(), sums[*variable], R::splat(1e-300));
+            let by_place = [worth[0], worth[1], worth[2]];
+            let by_turn = [worth[3] * size, worth[4] * size, worth[5] * size];
+            for (k, (other, way, axis)) in links.iter().enumerate() {
+                let worth = if k <= i {
+                    let mut worth = dot(by_place, cross(*axis, *linear));
+                    if whole {
+                        worth += dot(by_turn, cross(*axis, *angular));
+                    }
+                    worth
+                } else {
+                    dot(by_place, cross(*angular, *way))
+                };
+                self.pull[*other] += worth;
+            }
+        }
+    }
+
+    /// Ends a lane: the better posture becomes its row's answer, or the row stays as it was.
+    pub(super) fn end_second(
+        &mut self,
+        lane: usize,
+        reached: bool,
+        error: &TaskError<R, M>,
+        runs: &mut Runs<'_>,
+    ) {
+        let Some(place) = self.jobs[lane].place.take() else { return };
+        let Some(second) = self.plan.second_aim() else { return runs.keep(place) };
+        let q: PerJoint<f64> = self.q.iter().map(|x| x.lane(lane)).collect();
+        let about = |i: usize| self.second.about[i].lane(lane);
+        let value = |q: &[f64]| -> f64 {
+            if second.measure == Merit::Manipulability {
+                -self.plan.dexterity(q)
+            } else {
+                q.iter().enumerate().map(|(i, x)| second.value(i, *x, about(i))).sum()
+            }
+        };
+        let free = |q: &[f64]| {
+            let guard = self.plan.request.guard();
+            guard.is_none_or(|guard| guard.accept.accepts(q) & 1 != 0)
+        };
+        if !reached || value(&q) >= value(runs.q(place)) || !free(&q) {
+            return runs.keep(place);
+        }
+        let before = runs.outcome(place);
+        let outcome = Outcome {
+            status: Status::Converged,
+            position_error: error.position2.lane(lane).sqrt(),
+            orientation_error: error.orientation2.lane(lane).sqrt(),
+            iterations: before.iterations + self.jobs[lane].steps,
+            restarts: before.restarts,
+        };
+        runs.finish(place, outcome, q.into_iter());
+    }
+}

@@ -1,0 +1,83 @@
+"""The check of the built documentation finds what it is for, and the files that belong to it."""
+
+import ast
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import check_site
+
+
+def site(folder: Path, **pages: str) -> Path:
+    for name, body in pages.items():
+        (folder / f"{name}.html").write_text(f"<html><body>{body}</body></html>", "utf-8")
+    return folder
+
+
+def test_a_sound_site_has_no_faults(tmp_path: Path) -> None:
+    (tmp_path / "style.css").write_text("@font-face { src: url(data:font/woff2;base64,AA) }")
+    site(
+        tmp_path,
+        index='<link rel="stylesheet" href="style.css?digest=1"><a href="other.html#here">x</a>'
+        '<a href="#top">x</a><p id="top"><a href="https://example.org/paper">by hand</a>',
+        other='<h2 id="here">x</h2><a href="./">x</a>',
+    )
+    assert list(check_site.faults(tmp_path)) == []
+
+
+@pytest.mark.parametrize(
+    ("body", "fault"),
+    [
+        ('<a href="gone.html">x</a>', "dead link to 'gone.html'"),
+        ('<a href="other.html#gone">x</a>', "no place 'gone'"),
+        ('<a href="#gone">x</a>', "no place 'gone'"),
+        ('<script src="https://cdn.example.org/x.js"></script>', "from elsewhere"),
+        ('<link rel="stylesheet" href="//fonts.example.org/x.css">', "from elsewhere"),
+        ('<img src="gone.png">', "which is not there"),
+        ('<img srcset="gone.png 2x">', "which is not there"),
+        ("<style>p { background: url('https://example.org/x.png') }</style>", "from elsewhere"),
+        ('<p style="background: url(https://example.org/x.png)">', "from elsewhere"),
+    ],
+)
+def test_each_kind_of_fault_is_found(tmp_path: Path, body: str, fault: str) -> None:
+    site(tmp_path, index=body, other="")
+    (found,) = check_site.faults(tmp_path)
+    assert found.startswith("index.html: ") and fault in found
+
+
+def test_a_style_sheet_may_not_load_from_elsewhere(tmp_path: Path) -> None:
+    site(tmp_path, index="")
+    (tmp_path / "style.css").write_text('@import "https://fonts.example.org/x.css";')
+    (found,) = check_site.faults(tmp_path)
+    assert "from elsewhere" in found
+
+
+def test_an_empty_folder_is_no_site(tmp_path: Path) -> None:
+    assert list(check_site.faults(tmp_path)) == [f"{tmp_path}: holds no pages"]
+
+
+def test_every_tutorial_is_a_script_with_a_title(repo_root: Path) -> None:
+    # sphinx-gallery runs these alone.
+    scripts = sorted((repo_root / "docs" / "gallery").glob("*.py"))
+    assert len(scripts) >= 8
+    for script in scripts:
+        assert re.fullmatch(r"tutorial_\d_\w+", script.stem)
+        title, rule, *_ = (ast.get_docstring(ast.parse(script.read_text("utf-8"))) or "").split(
+            "\n"
+        )
+        assert title and rule == "=" * len(title), script
+
+
+def test_the_citation_names_this_version(repo_root: Path) -> None:
+    text = (repo_root / "CITATION.cff").read_text("utf-8")
+    cargo = tomllib.loads((repo_root / "Cargo.toml").read_text("utf-8"))
+    assert f"\nversion: {cargo['workspace']['package']['version']}\n" in text
+    for field in ("cff-version: 1.2.0", "message:", "title:", "authors:"):
+        assert f"\n{field}" in f"\n{text}"
+
+
+def test_what_a_repository_has_for_its_people_is_there(repo_root: Path) -> None:
+    for name, words in (("SECURITY.md", "Report"), ("CODE_OF_CONDUCT.md", "When it is broken")):
+        assert f"## {words}" in (repo_root / name).read_text("utf-8")
