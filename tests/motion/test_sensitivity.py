@@ -78,7 +78,7 @@ def shelf() -> tuple[ik.Robot, Scene, np.ndarray]:
     arm = ik.Robot.load("panda")
     start = arm.joint_values({"panda_joint4": -2.0, "panda_joint6": 2.0})
     path = start + np.linspace(0, 1, 4)[:, None] * np.array([0.9, 0.2, 0, 0.1, 0, 0, 0.3])
-    box = Box([0.45, 0.55, 0.35], [0.1, 0.1, 0.1])
+    box = Box([0.5, 0.635, 0.35], [0.1, 0.1, 0.1])
     return arm, Scene([SceneObject.of("box", box)]), path
 
 
