@@ -10,7 +10,7 @@ from .. import harvest
 from ..collision import Scene
 from ..errors import ArgumentError
 from ..harvest import Evaluation
-from ..robot import Robot
+from ..jobs import RobotChoice
 
 
 def settings_of(
@@ -34,7 +34,7 @@ def settings_of(
 
 def evaluate(
     scene: Path,
-    robot: str,
+    robot: RobotChoice,
     distance: str,
     *,
     settings: harvest.Settings,
@@ -51,7 +51,7 @@ def evaluate(
     """
     return harvest.evaluate(
         Scene.load(scene),
-        Robot.load(robot),
+        robot.load(),
         settings=settings,
         distance=distance,  # type: ignore[arg-type]
         blockers=blockers,

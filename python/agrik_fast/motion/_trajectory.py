@@ -177,9 +177,7 @@ class Trajectory:
         >>> len(trajectory.sampled(None))
         8
         """
-        return Trajectory(
-            self._recipe, self._names, self._types, checked_rate(rate), self._motion
-        )
+        return Trajectory(self._recipe, self._names, self._types, checked_rate(rate), self._motion)
 
     def save(self, path: str | PathLike[str], *, force: bool = False) -> None:
         """Write the points to a file.
