@@ -47,7 +47,7 @@ print(trajectory)
 way = arm.fk(trajectory.positions)[:, :3, 3] - arm.fk(start)[:3, 3]
 along = end[:3, 3] - arm.fk(start)[:3, 3]
 off = np.linalg.norm(np.cross(way, along / np.linalg.norm(along)), axis=1)
-print(f"off the line by {1e6 * off.max():.1f} um at most")
+print(f"off the line by {1e9 * off.max():.0f} nm at most")
 used = np.abs(trajectory.velocities).max(axis=0) / arm.velocity_limits
 print("share of each joint's velocity limit:", used.round(2))
 
