@@ -934,6 +934,13 @@ class Bodies:
         share is None but for "structural".
         """
 
+    def levers(self, q: ArrayLike, margin: ArrayLike) -> NDArray[np.float64]:
+        """Return levers, shape (..., dof, bodies), m/rad or no unit.
+
+        A joint that changes by no more than `margin`, shape (dof,), from the joint values,
+        shape (..., dof), moves a core point of a body by no more than its lever times its change.
+        """
+
     def __len__(self) -> int:
         """Return the number of bodies."""
 
@@ -1042,6 +1049,14 @@ class Collider:
         ------
         ArgumentError
             As `collides`.
+        """
+
+    def shifted_clearance(
+        self, q: ArrayLike, shifts: ArrayLike, threads: int | None = None
+    ) -> NDArray[np.float64]:
+        """Distance from the scene at joint values (n, dof), m.
+
+        The bodies of each posture are shifted by vectors, shape (n, bodies, 3), m.
         """
 
     def distances(
@@ -1566,6 +1581,24 @@ class HarvestStation:
     ) -> dict[str, Any]:
         """Decide for targets, shape (n, 3), m; with `scan_all` by a scan of everything."""
 
+    def plan_paths(
+        self,
+        points: ArrayLike,
+        objects: Sequence[Sequence[int]],
+        names: Sequence[str],
+        start: ArrayLike,
+        motion: dict[str, Any],
+        touch_radius: float,
+        settings: dict[str, Any] | None = None,
+        blockers: bool = True,
+        threads: int | None = None,
+    ) -> dict[str, Any]:
+        """Decide for targets, and plan the ways from `start` into their postures.
+
+        Besides the columns of `plan` the record has ``paths`` (as `motion_plan` returns them),
+        ``goals`` (all postures that were goals) and ``blockers_path`` (indices or None).
+        """
+
     def blockers(
         self,
         points: ArrayLike,
@@ -1637,11 +1670,6 @@ class HarvestProgramme:
     def terms(self, q: ArrayLike) -> dict[str, Any]:
         """Return the terms of the cost at joint values, shape (..., dof)."""
 
-    def clearances(
-        self, q: ArrayLike, shifts: ArrayLike, threads: int | None = None
-    ) -> NDArray[np.float64]:
-        """Distance from the crop at joint values (n, dof), bodies shifted by (n, bodies, 3), m."""
-
     def search(
         self,
         algorithm: str,
@@ -1653,3 +1681,36 @@ class HarvestProgramme:
 
 def harvest_words() -> tuple[list[str], list[str]]:
     """Return the names of the statuses and of the stages of a decision, at their codes."""
+
+def motion_check(
+    collider: Collider,
+    path: ArrayLike,
+    to: ArrayLike | None = None,
+    settings: dict[str, Any] | None = None,
+    threads: int | None = None,
+) -> dict[str, Any]:
+    """Say what is known of the straight ways between the rows of a path; see `motion.check`.
+
+    With `to` of those from the rows of `path` to its rows, one each.
+    """
+
+def motion_corners(
+    collider: Collider,
+    start: ArrayLike,
+    corner: ArrayLike,
+    end: ArrayLike,
+    settings: dict[str, Any],
+    threads: int | None = None,
+) -> NDArray[np.bool_]:
+    """Say of triangles of postures, whose vertices are rows of three arrays, which are free."""
+
+def motion_plan(
+    collider: Collider, start: ArrayLike, goals: ArrayLike, settings: dict[str, Any]
+) -> dict[str, Any]:
+    """Plan from a posture to one of some goals, shape (m, dof), the best first.
+
+    See `agrik_fast.motion.plan`.
+    """
+
+def motion_words() -> tuple[list[str], list[str], list[str]]:
+    """Return the names of outcomes, statuses of plans and ways to find one, at their codes."""

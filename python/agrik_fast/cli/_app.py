@@ -430,6 +430,13 @@ def harvest(
     tilt_deg: _harvest_options.Tilt = 0.0,
     shift: _harvest_options.Shift = 0.0,
     min_distance: _harvest_options.MinDistance = 0.005,
+    paths: Annotated[
+        bool, typer.Option("--path", help="Plan the ways into the postures as well.")
+    ] = False,
+    start: Annotated[
+        str | None,
+        typer.Option("--start", help="Where ways start, radians and metres; default: home."),
+    ] = None,
     threads: Annotated[
         int | None, typer.Option(min=1, help="Threads; by default all cores.")
     ] = None,
@@ -440,7 +447,8 @@ def harvest(
     """Decide for every fruit of a scene whether and how it can be picked.
 
     Writes harvest.csv (one row a fruit), harvest.json and pictures: the share that can be
-    picked, why not the rest, and which leaves block it.
+    picked, why not the rest, and which leaves block it. With --path also paths.json: for each
+    fruit the way into its posture, proven free, or why there is none.
     """
     with exit_codes() as kept:
         from ._harvest import check_folder, evaluate, lines, settings_of
@@ -479,6 +487,12 @@ def harvest(
         files = write_report(found, output, pictures=pictures, report=say)
         for line in lines(found):
             say(line)
+        if paths:
+            from ._harvest import write_paths
+
+            file, said = write_paths(found, output, start=start, threads=threads)
+            files.append(file)
+            say(said)
         with telling(f"files: {output}"):
             for file in files:
                 typer.echo(str(file))
@@ -541,9 +555,58 @@ def view(
 
 
 @app.command()
+def plan(
+    robot: _options.Robot,
+    target: Annotated[
+        str,
+        typer.Option(
+            "--target",
+            help="A target of the scene by name, x,y,z in metres, x,y,z,roll,pitch,yaw with "
+            "radians, or q= and joint values.",
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Trajectory: .csv, .json, .npz, ...")
+    ],
+    scene: Annotated[
+        Path | None, typer.Option("--scene", help="What stands round it: .json or .toml.")
+    ] = None,
+    start: Annotated[
+        str | None,
+        typer.Option("--start", help="Start values in radians and metres; default: home."),
+    ] = None,
+    clear: Annotated[float, typer.Option(help="Distance kept from the scene, m.")] = 0.002,
+    blend: Annotated[
+        float, typer.Option(help="How much of a segment corners are rounded on, 0 to 0.5.")
+    ] = 0.4,
+    seed: Annotated[int, typer.Option(min=0, help="Which random numbers are drawn.")] = 0,
+    force: Annotated[
+        bool, typer.Option("--force", help="Write over a file that is there.")
+    ] = False,
+) -> None:
+    """Plan a path that is proven free, and write it as a trajectory.
+
+    Corners are rounded as far as that is proven too. Exit status 3 where there is no path; the
+    reason is said.
+    """
+    with exit_codes():
+        from ._motion import lines, trajectory
+        from ._motion import plan as planned
+
+        arm, around, found = planned(robot, scene, start, target, clear=clear, seed=seed)
+        for line in lines(found):
+            say(line)
+        if not found.ok:
+            raise typer.Exit(NOT_ALL_SOLVED)
+        made = trajectory(arm, around, found, blend=blend, clear=clear)
+        made.save(output, force=force)
+        say(f"{len(made.times)} points, {made.duration:.3f} s: {output}")
+
+
+@app.command()
 def paper(
     name: Annotated[
-        str, typer.Argument(help=f"Whose paper: {', '.join(PAPERS[:-1])} or {PAPERS[-1]}.")
+        str, typer.Argument(help=f"Whose paper: {', '.join(PAPERS)}, or all of them: all.")
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
     force: Annotated[
@@ -559,16 +622,31 @@ def paper(
 ) -> None:
     """Compute a paper's tables and figures anew and write them to a folder.
 
-    Published values, where there are any, stand beside ours. Needs the extra `papers`.
+    Published values, where there are any, stand beside ours. `all` gives each paper a folder,
+    and one page, index.html, with every table and picture. Needs the extra `papers`.
     """
     with exit_codes() as kept:
-        from ._paper import reproduce
+        from ._paper import ALL, check, reproduce
+        from .progress import for_stream
 
-        def report(line: str) -> None:
-            say(f"{name}: {line}")
-
+        check(name, output, force=force, experiments=experiments)
         kept.what = lambda: f"files that were finished are in {output}"
-        files = reproduce(name, output, report, force=force, experiments=experiments)
+        if name == ALL:
+            with for_stream(sys.stderr) as bar:
+                bar.start("papers", len(PAPERS))
+                files = reproduce(
+                    name,
+                    output,
+                    bar.note,
+                    done=lambda _: bar.advance(1),
+                )
+        else:
+            files = reproduce(
+                name,
+                output,
+                lambda line: say(f"{name}: {line}"),
+                experiments=experiments,
+            )
         with telling(f"files: {output}"):
             for file in files:
                 typer.echo(str(file))
@@ -673,9 +751,10 @@ def drive(
 ) -> None:
     """Drive the strawberry or the tomato rig from target to target, or to what a camera sees.
 
-    A table shows where it is; with a camera, the numbers of the last picture. Ctrl-C stops the motors first. At the first target that cannot be
-    driven to the motors stop, and the rest of the list is named. Needs the extra `drivers`, and
-    for the simulated rig a checkout with `make firmware`.
+    A table shows where it is; with a camera, the numbers of the last picture. Ctrl-C stops the
+    motors first. At the first target that cannot be driven to the motors stop, and the rest of the
+    list is named. Needs the extra `drivers` (with a camera, `vision` too), and for the simulated
+    rig a checkout with `make firmware`.
     """
     with exit_codes() as kept:
         from ._drive import DriveRequest, Row, count, drive_words, one_of

@@ -7,10 +7,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from .. import harvest
+from .._atomic import write_bytes
 from ..collision import Scene
 from ..errors import ArgumentError
 from ..harvest import Evaluation
 from ..robot import Robot
+from ._options import numbers
 
 
 def settings_of(
@@ -58,6 +60,40 @@ def evaluate(
         threads=threads,
         progress=progress,
     )
+
+
+def write_paths(
+    found: Evaluation, directory: Path, *, start: str | None, threads: int | None
+) -> tuple[Path, str]:
+    """Plan the ways into the postures of all fruits; return the file and what is said of it."""
+    import json
+
+    arm = found.robot
+    first = arm.home if start is None else numbers("--start", start, (arm.dof,))
+    decided = harvest.plan(
+        arm, found.scene, settings=found.settings, path=True, start=first, threads=threads
+    )
+    rows = [
+        {
+            "name": one.name,
+            "posture": one.status.name,
+            "path": path.status.name,
+            "how": path.how,
+            "q": path.path.tolist(),
+            "clearance_m": path.clearance.tolist(),
+            "blockers_path": one.blockers_path,
+        }
+        for one, path in zip(decided, decided.paths, strict=True)
+    ]
+    file = directory / "paths.json"
+    content = {"robot": arm.name, "joints": list(arm.joint_names), "paths": rows}
+
+    def refuse(reason: str) -> ArgumentError:
+        return ArgumentError("output", f"{file}: {reason}", "a file that can be written")
+
+    write_bytes(file, (json.dumps(content) + "\n").encode(), refuse, force=True)
+    ways, postures = int(decided.reachable_path.sum()), int(decided.ok.sum())
+    return file, f"{ways} of {postures} fruits with a posture have a way into one"
 
 
 def check_folder(directory: Path, *, force: bool) -> None:

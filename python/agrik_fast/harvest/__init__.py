@@ -2,6 +2,7 @@
 
 from ._crops import CropsJob
 from ._cutter import Cut, Cutter, cuts, with_cutter
+from ._cycle import Cycle, Leg, cycle
 from ._decisions import Attempt, Decision, Decisions, Stage, Status
 from ._evaluate import Evaluation, evaluate
 from ._plan import Blockers, blockers, plan
@@ -18,11 +19,13 @@ __all__ = [
     "CropsJob",
     "Cut",
     "Cutter",
+    "Cycle",
     "Decision",
     "Decisions",
     "Distance",
     "Errors",
     "Evaluation",
+    "Leg",
     "Programme",
     "Runs",
     "Sensitivity",
@@ -34,6 +37,7 @@ __all__ = [
     "Weights",
     "blockers",
     "cuts",
+    "cycle",
     "evaluate",
     "example_scene",
     "plan",

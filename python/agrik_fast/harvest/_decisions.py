@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks import FloatArray, word
+from ..errors import ArgumentError
+from ..motion import Plan
 
 __all__ = ["Attempt", "Decision", "Decisions", "Stage", "Status"]
 
@@ -134,6 +136,12 @@ class Decision:
     singular : int
         Places of the slide that were skipped, as the shoulder is singular there.
     attempts : tuple of Attempt
+    path : motion.Plan or None
+        The way into a posture, where it was asked for; it ends in `q`, or in another admissible
+        posture where no way leads there.
+    blockers_path : tuple of str or None
+        Few removable objects without which a path is found, where there is a posture and no
+        path; None where that does not help, or there is nothing to help.
 
     Examples
     --------
@@ -161,11 +169,23 @@ class Decision:
     open: int
     singular: int
     attempts: tuple[Attempt, ...]
+    path: Plan | None = None
+    blockers_path: tuple[str, ...] | None = None
 
     @property
     def ok(self) -> bool:
         """There is a posture to go to."""
         return self.status == Status.OK
+
+    @property
+    def reachable_posture(self) -> bool:
+        """There is a posture, whether or not a path leads into it."""
+        return self.ok
+
+    @property
+    def reachable_path(self) -> bool:
+        """A path into a posture was found, and is proven free."""
+        return self.path is not None and self.path.ok
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,6 +235,23 @@ class Decisions:
         """Which targets have a posture to go to."""
         return np.asarray(self.status == Status.OK)
 
+    @property
+    def paths(self) -> list[Plan]:
+        """The ways into the postures, where they were asked for."""
+        if "paths" not in self.columns:
+            raise ArgumentError("path", "False", "True in the call of plan, for paths")
+        return list(self.columns["paths"])
+
+    @property
+    def reachable_posture(self) -> NDArray[np.bool_]:
+        """Which targets have a posture, whether or not a path leads into it."""
+        return self.ok
+
+    @property
+    def reachable_path(self) -> NDArray[np.bool_]:
+        """Which targets have a path that is proven free."""
+        return np.array([path.ok for path in self.paths], dtype=bool)
+
     def __len__(self) -> int:
         return len(self.names)
 
@@ -227,6 +264,7 @@ class Decisions:
             target = self.names.index(target)
         k = range(len(self))[target]
         of = {name: column[k] for name, column in self.columns.items() if name != "attempts"}
+        path, blockers = of.get("paths"), of.get("blockers_path")
         return Decision(
             name=self.names[k],
             status=Status(of["status"]),
@@ -239,6 +277,8 @@ class Decisions:
             open=int(of["open"]),
             singular=int(of["singular"]),
             attempts=tuple(self._attempts(k)),
+            path=path,
+            blockers_path=blockers,
             **{
                 name: float(of[name])
                 for name in (

@@ -5,13 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from .._checks import shown, word
+from numpy.typing import ArrayLike
+
+from .._checks import finite_array, shown, truth_value, word
 from ..collision import Scene
 from ..errors import ArgumentError
+from ..motion import Plan
+from ..motion import Settings as PathSettings
 from ..robot import Robot
 from ._decisions import Decisions
 from ._settings import Distance, Settings
-from ._station import Crop, Targets
+from ._station import Chosen, Crop, Targets
 
 __all__ = ["Blockers", "blockers", "plan"]
 
@@ -26,6 +30,9 @@ def plan(
     level: int = 3,
     split: Literal["equal", "near-cubic"] = "equal",
     method: Literal["two-step", "full"] = "two-step",
+    path: bool = False,
+    start: ArrayLike | None = None,
+    path_settings: PathSettings | None = None,
     threads: int | None = None,
 ) -> Decisions:
     """Decide for each target whether the arm can pick it, and in which posture.
@@ -56,12 +63,23 @@ def plan(
         How boxes are cut into cells.
     method : {"two-step", "full"}, default "two-step"
         "full" looks at all approach angles and places of the slide, and takes the best.
+    path : bool, default False
+        Plan the way into the posture as well, and prove it free: goals are all admissible
+        postures of the approach, then those of all others. The targets' own objects may be
+        touched only within the scene's `touch_radius`; what is "machine" keeps the distance of
+        the path as everything does. With the two-step method and exact distances only.
+    start : array_like, shape (7,), m and rad, optional
+        Where the arm starts. Default: `Robot.home`.
+    path_settings : motion.Settings, optional
+        What paths keep, and how they are looked for.
     threads : int, optional
-        Number of threads, as for `Robot.ik`.
+        Number of threads, as for `Robot.ik`; they share the targets.
 
     Returns
     -------
     Decisions
+        With `path`, each `Decision` has a ``path``, and ``blockers_path`` where there is a
+        posture and no path.
 
     Raises
     ------
@@ -88,9 +106,50 @@ def plan(
     options = checked_settings(settings).as_options()
     scan_all = word("method", method, ("two-step", "full")) == "full"
     crop.refuse_targets_inside(chosen)
+    if truth_value("path", path):
+        if scan_all or distance != "exact":
+            said = f"method={method!r} and distance={distance!r}"
+            raise ArgumentError("path", said, "the two-step method and exact distances")
+        return _with_paths(crop, chosen, options, start, path_settings, threads)
     columns = crop.station.plan(
         chosen.points, chosen.objects, list(chosen.names), options, scan_all, threads
     )
+    return Decisions(chosen.names, columns)
+
+
+def _with_paths(
+    crop: Crop,
+    chosen: Chosen,
+    options: dict[str, Any],
+    start: ArrayLike | None,
+    path_settings: PathSettings | None,
+    threads: int | None,
+) -> Decisions:
+    """Decide for targets, and plan the ways into their postures."""
+    if path_settings is None:
+        path_settings = PathSettings()
+    if not isinstance(path_settings, PathSettings):
+        raise ArgumentError("path_settings", shown(path_settings), "motion.Settings")
+    robot, scene = crop.robot, crop.scene
+    first = finite_array("start", robot.home if start is None else start, (robot.dof,))
+    columns = crop.station.plan_paths(
+        chosen.points,
+        chosen.objects,
+        list(chosen.names),
+        first,
+        path_settings.as_options(),
+        scene.touch_radius,
+        options,
+        True,
+        threads,
+    )
+    collider = scene.collider(robot)
+    each = zip(columns.pop("goals"), columns["paths"], strict=True)
+    columns["paths"] = [Plan.from_core(collider, goals, found) for goals, found in each]
+    columns["blockers_path"] = [
+        None if found is None else tuple(scene.names[k] for k in found)
+        for found in columns["blockers_path"]
+    ]
     return Decisions(chosen.names, columns)
 
 

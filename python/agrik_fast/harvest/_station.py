@@ -17,7 +17,7 @@ from ..errors import ArgumentError
 from ..robot import Robot
 from ._settings import checked_distance
 
-__all__ = ["STATIC_KIND", "Crop", "Targets"]
+__all__ = ["STATIC_KIND", "Chosen", "Crop", "Targets"]
 
 STATIC_KIND = "machine"
 """Objects of this kind are never touched, but may be near: a rail, a vehicle."""

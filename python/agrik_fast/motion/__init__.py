@@ -1,8 +1,39 @@
-"""Motion: when an arm is where on its way, and trajectories that others can play."""
+"""Motion: ways that are proven free, plans of them, and trajectories that others can play."""
 
 from __future__ import annotations
 
+from ._check import Checked, Contact, Outcome, check, check_segments
+from ._errors import Errors
+from ._goals import Prefer, goals_of
+from ._path_errors import PathSensitivity, path_sensitivity
+from ._plan import CutProof, PathStatus, Plan, plan
+from ._rounded import rounded
+from ._sensitivity import Sensitivity, Simulated, sensitivity, simulate
+from ._settings import Settings
 from ._time_law import time_law
 from ._trajectory import Trajectory
 
-__all__ = ["Trajectory", "time_law"]
+__all__ = [
+    "Checked",
+    "Contact",
+    "CutProof",
+    "Errors",
+    "Outcome",
+    "PathSensitivity",
+    "PathStatus",
+    "Plan",
+    "Prefer",
+    "Sensitivity",
+    "Settings",
+    "Simulated",
+    "Trajectory",
+    "check",
+    "check_segments",
+    "goals_of",
+    "path_sensitivity",
+    "plan",
+    "rounded",
+    "sensitivity",
+    "simulate",
+    "time_law",
+]

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks import FloatArray
+from .._checks import FloatArray, finite_array, shown
+from ..errors import ArgumentError
 from ._style import PALETTE, figure, label
 
 if TYPE_CHECKING:
@@ -45,6 +46,35 @@ def space(width: float, height: float) -> tuple[Figure, Any]:
     """
     drawing = figure(width, height)
     return drawing, drawing.add_subplot(projection="3d")
+
+
+def checked_view(view: object) -> tuple[float, float]:
+    """Return elevation and azimuth, deg.
+
+    Raises
+    ------
+    ArgumentError
+        Not two finite numbers.
+    """
+    elevation, azimuth = finite_array("view", view, (2,)).tolist()  # type: ignore[arg-type]
+    return elevation, azimuth
+
+
+def space_or(axes: Any, width: float, height: float) -> tuple[Figure, Any]:
+    """Return axes in space that were given, with their figure, or new ones for None.
+
+    Raises
+    ------
+    ArgumentError
+        Something else than axes in space.
+    """
+    if axes is None:
+        return space(width, height)
+    from mpl_toolkits.mplot3d import Axes3D
+
+    if not isinstance(axes, Axes3D):
+        raise ArgumentError("axes", shown(axes), "axes in space (projection='3d')")
+    return axes.figure, axes
 
 
 def add_triangles(

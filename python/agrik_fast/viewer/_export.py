@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from os import PathLike
+from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -86,7 +86,10 @@ def export_html(
     from ._stage import Stage
     from ._ways import follow
 
-    file = Path(path)
+    try:
+        file = Path(fspath(path))
+    except TypeError:
+        raise ArgumentError("path", shown(path), "a .html file") from None
     if file.suffix.lower() not in (".html", ".htm"):
         raise ArgumentError("path", shown(path), "a .html file")
     truth_value("force", force)

@@ -214,7 +214,8 @@ def view(
     """
     arm, source = load(robot)
     word("show", show, LOOKS)
-    text("host", host)
+    if "\0" in text("host", host):
+        raise ArgumentError("host", shown(host), "an address of this machine")
     whole_number("port", port, 0, _LARGEST_PORT)
     surroundings = load_scene(scene)
     session = Session(arm, source, surroundings)

@@ -5,7 +5,7 @@ mod common;
 
 use std::path::Path;
 
-use agrik_motion::edges::{Certifier, Keep, Outcome, check_path, check_segments};
+use agrik_motion::edges::{Certifier, Keep, Outcome, check_corners, check_path, check_segments};
 use agrik_motion::{Collider, Touch};
 use common::{Arm, chain, collider, metres, random_postures};
 use serde_json::Value;
@@ -206,4 +206,54 @@ fn questions_may_run_out_and_numbers_are_checked() {
     let nan = vec![f64::NAN; 14];
     assert!(check_path(&collider, keep, &nan, 1, &mut || true).is_err());
     assert!(check_segments(&collider, keep, &q, &q[..7], 1, &mut || true).is_err());
+}
+
+#[test]
+fn no_posture_of_a_corner_that_is_proven_hits() {
+    let (mut proven, mut open) = (0, 0);
+    for (name, scene) in [("cucumber", "scene"), ("panda", "bench")] {
+        let collider = collider(name, scene);
+        let chain = collider.bodies().chain();
+        let dof = chain.dof();
+        let q = random_postures(chain, 120, 21);
+        let keep = Keep::clear(0.005);
+        for triangle in q.chunks(3 * dof) {
+            let corner = &triangle[..dof];
+            // Small corners, as paths have them.
+            let near = |to: &[f64]| -> Vec<f64> {
+                corner.iter().zip(to).map(|(a, b)| a + 0.1 * (b - a)).collect()
+            };
+            let (from, to) = (near(&triangle[dof..2 * dof]), near(&triangle[2 * dof..]));
+            let ask = [&from[..], corner, &to[..]];
+            let found = check_corners(&collider, keep, ask, 1, &mut || true).unwrap();
+            let mut inside = Vec::new();
+            for i in 0..=12 {
+                for j in 0..=12 - i {
+                    let (s, t) = (f64::from(i) / 12.0, f64::from(j) / 12.0);
+                    inside.extend(
+                        (0..dof).map(|k| {
+                            corner[k] + s * (from[k] - corner[k]) + t * (to[k] - corner[k])
+                        }),
+                    );
+                }
+            }
+            let sampled = collider.clearances(&inside, 1.0, false, 1, &mut || true).unwrap();
+            let least = sampled.into_iter().fold(f64::INFINITY, f64::min);
+            let own = collider.clearances(&inside, 1.0, true, 1, &mut || true).unwrap();
+            let own = own.into_iter().fold(f64::INFINITY, f64::min);
+            if found[0] {
+                proven += 1;
+                assert!(least > 0.005 && own > keep.own, "{name}: {least} {own}");
+            } else {
+                open += 1;
+                // Nothing that is far from everything is left open.
+                assert!(own < 0.02, "{name}: {own}");
+            }
+        }
+    }
+    assert!(proven > 20 && open > 5, "{proven} {open}");
+    let collider = collider("panda", "bench");
+    let q = [0.0; 7];
+    let keep = Keep::clear(0.0);
+    assert!(check_corners(&collider, keep, [&q, &q, &q[..0]], 1, &mut || true).is_err());
 }

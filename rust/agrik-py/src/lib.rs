@@ -51,7 +51,7 @@ mod _native {
     #[pymodule_export]
     use ik::control::TargetSolver;
     #[pymodule_export]
-    use motion::check::{motion_check, motion_words};
+    use motion::check::{motion_check, motion_corners, motion_words};
     #[pymodule_export]
     use motion::plan::motion_plan;
     #[pymodule_export]

@@ -33,7 +33,7 @@ pub struct Certifier<'c> {
     pub(super) movers: Vec<Mover>,
     pub(super) bounds: Vec<Bound>,
     /// The same of the tool point, where that says what may be touched.
-    tool: Bound,
+    pub(super) tool: Bound,
     /// Spheres round the bodies in their frames.
     spheres: Vec<(Point, f64)>,
     pub(super) middle: Sample,
@@ -139,9 +139,7 @@ impl<'c> Certifier<'c> {
             *rate = link.multiplier * (to[link.variable] - from[link.variable]);
         }
         self.frames(&[0.5], from, to);
-        let mut middle = std::mem::replace(&mut self.middle, Sample::empty());
-        middle.fill(self.links(), &self.room.frames, &self.rates);
-        self.middle = middle;
+        self.middle.fill(links, &self.room.frames, &self.rates);
         self.take_bounds();
         let mut known = Known { least: self.keep.cap, checks: 0, open: None };
         self.room.queue.clear();
@@ -224,6 +222,12 @@ impl<'c> Certifier<'c> {
         }
         room.frames.resize(FRAME * self.rates.len() * places.len(), 0.0);
         moving_frames(self.collider.bodies().chain(), &room.q, &mut room.frames);
+    }
+
+    /// Puts the middle of a way into its place; rates are there.
+    pub(super) fn take_middle(&mut self, q: &[f64]) {
+        self.frames(&[0.0], q, q);
+        self.middle.fill(self.links(), &self.room.frames, &self.rates);
     }
 
     /// Works out how far everything moves on a way whose middle and rates are in place.

@@ -8,11 +8,13 @@
 //! too near to something, or gives up on a place where the arm grazes what it must not touch.
 
 mod certifier;
+mod corners;
 mod mover;
 mod paths;
 mod sample;
 mod verdict;
 
 pub use certifier::Certifier;
+pub use corners::check_corners;
 pub use paths::{check_path, check_segments};
 pub use verdict::{Keep, OWN_CLEAR, Outcome, Verdict};

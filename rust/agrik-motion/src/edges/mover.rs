@@ -56,6 +56,11 @@ impl Bound {
         bound
     }
 
+    /// Goes by levers alone: for ways whose direction is not known.
+    pub fn forget_speed(&mut self) {
+        self.curving = f64::INFINITY;
+    }
+
     /// The most that it moves within `half` of a posture where it moves at `speed`, m.
     pub fn motion(&self, speed: f64, half: f64) -> f64 {
         let least = (self.rate * half).min((speed + 0.5 * self.curving * half) * half);

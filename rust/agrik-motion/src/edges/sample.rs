@@ -21,11 +21,6 @@ impl Sample {
         Self { poses: vec![base; links + 1], twists: vec![[[0.0; 3]; 2]; links + 1] }
     }
 
-    /// Of nothing: what stands in the place of one that is in use.
-    pub const fn empty() -> Self {
-        Self { poses: Vec::new(), twists: Vec::new() }
-    }
-
     /// Takes up the frames of a posture, and the rate of each joint along the way.
     pub fn fill(&mut self, links: &[Link], frames: &[f64], rates: &[f64]) {
         let (frames, _) = frames.as_chunks::<FRAME>();

@@ -6,7 +6,8 @@
 //! cucumber picking robot", Biosystems Engineering (2010): a scan of approach angles with the
 //! last links alone, then a scan of the slide with the closed form, a table, and the best of
 //! its rows by stated criteria; with the recovery that the paper left open. [`plan`] does so
-//! for many targets, [`blockers`] names what stands in the way. [`Programme`] is the paper's
+//! for many targets, [`blockers`] names what stands in the way; [`plan_paths`] finds the way
+//! into the posture as well. [`Programme`] is the paper's
 //! other way, a search over all joints of any arm.
 //!
 //! Lengths are in metres, angles in radians. The approach angle psi is about the vertical, 0
@@ -17,6 +18,7 @@ mod approach;
 mod batch;
 mod blockers;
 mod decide;
+mod paths;
 mod programme;
 mod recovery;
 mod refine;
@@ -30,6 +32,7 @@ pub use aim::Target;
 pub use batch::{plan, plan_blockers};
 pub use blockers::{Blockers, blockers};
 pub use decide::{Attempt, Decision, Stage, Status, decide, full};
+pub use paths::{Picked, Picking, plan_paths};
 pub use programme::{DIFFERENTIAL, GENETIC, Programme, Run, Terms, Weights};
 pub use scan::{Scanned, approaches, table};
 pub use settings::Settings;

@@ -48,7 +48,9 @@ pub struct Surroundings {
     covers: Vec<Option<Cover>>,
     /// Solids of the static things, and which bodies mind each.
     fixed: Vec<(Solid, Vec<usize>)>,
-    touching: Vec<bool>,
+    pub(super) touching: Vec<bool>,
+    /// Pairs of a body and a static thing that do not mind each other.
+    pub(super) skip: Vec<(usize, usize)>,
 }
 
 impl Surroundings {
@@ -95,6 +97,7 @@ impl Surroundings {
         Ok(Self {
             covers: covers.collect(),
             statics: roles.statics.clone(),
+            skip: roles.skip.clone(),
             touching: (0..count).map(|body| roles.touching.contains(&body)).collect(),
             collider,
             mode,

@@ -1,5 +1,7 @@
 //! Step 2: the slide is scanned at one approach, and every branch becomes a row of a table.
 
+use std::cmp::Ordering;
+
 use agrik::call::{Aim as Reaching, Goals, Request, Starts, Tolerance};
 use agrik::closed_form::{ArmAngle, Choice, Query, all};
 use agrik::kinematics::{FRAME, moving_frames};
@@ -72,10 +74,15 @@ impl Table {
 
 /// One row is to be preferred to another.
 pub(super) fn better(row: &Row, other: &Row) -> bool {
+    order(row, other).is_lt()
+}
+
+/// Rows that are to be preferred come first.
+pub(super) fn order(row: &Row, other: &Row) -> Ordering {
     let order = other.score.total_cmp(&row.score);
     let order = order.then(other.distance.total_cmp(&row.distance));
     let order = order.then(other.freedom.total_cmp(&row.freedom));
-    order.then(row.branch.cmp(&other.branch)).is_lt()
+    order.then(row.branch.cmp(&other.branch))
 }
 
 /// The postures that an approach has at some places of the slide, without regard to the crop.

@@ -8,6 +8,7 @@
 //! prove that there is nothing: that a ball inside a body is shut in at the goal or at the start.
 
 mod ask;
+mod blockers;
 mod cheap;
 mod connect;
 mod cut;
@@ -20,6 +21,7 @@ mod tree;
 mod words;
 
 pub use ask::{Ask, Settings};
+pub use blockers::{PathBlockers, blockers};
 pub use cut::{Cut, cut};
 pub use metric::Metric;
 pub use plan::{Planned, plan};

@@ -215,7 +215,8 @@ impl Found<'_> {
     fn finished(&self, ask: &mut Ask<'_>, way: Way, rounds: u32) -> Planned {
         let Way { mut path, mut goal, how, line } = way;
         path.dedup();
-        if path.len() > 2 && line + 2 < path.len() {
+        // Ways that slides make have their corners for a reason.
+        if matches!(how, How::RrtConnect | How::RetreatRrtConnect) && line + 2 < path.len() {
             shorten(ask, &mut path, line);
         }
         if matches!(how, How::RrtConnect | How::RetreatRrtConnect) {

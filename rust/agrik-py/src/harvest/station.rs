@@ -13,8 +13,11 @@ use pyo3::types::PyDict;
 use super::settings;
 use crate::collision::bodies::Bodies;
 use crate::collision::scene::Scene;
-use crate::convert::{Floats, array, whole, wrong_shape};
+use crate::convert::{Floats, array, real, whole, wrong_shape};
 use crate::ik::signals::Signals;
+use crate::motion::check::posture;
+use crate::motion::plan::planned;
+use crate::motion::settings::read as motion_settings;
 use crate::{errors, threads};
 
 /// An arm on a slide, with bodies, in a crop.
@@ -117,19 +120,53 @@ impl HarvestStation {
             plan(&self.0, &targets, &settings, scan_all, threads, &mut go)
         });
         let made = made.map_err(|error| signals.exception(py, error))?;
-        let found: Vec<Option<Row>> = made.iter().map(|decision| decision.row).collect();
-        let out = rows(py, self, &found)?;
-        put(py, &out, "status", &made, |decision| decision.status as u8)?;
-        put(py, &out, "stage", &made, |decision| decision.stage as u8)?;
-        put(py, &out, "tilt", &made, |decision| decision.tilt)?;
-        put(py, &out, "shift", &made, |decision| decision.shift)?;
-        put(py, &out, "exact_distance", &made, |decision| decision.exact)?;
-        put(py, &out, "refined", &made, |decision| decision.refined)?;
-        put(py, &out, "straight", &made, |decision| decision.straight)?;
-        put(py, &out, "angles", &made, |decision| decision.angles as i64)?;
-        put(py, &out, "open", &made, |decision| decision.open as i64)?;
-        put(py, &out, "singular", &made, |decision| decision.singular as i64)?;
-        out.set_item("attempts", attempts(py, &made)?)?;
+        decisions(py, self, &made)
+    }
+
+    /// Decide for targets, and plan the ways from `start` into their postures.
+    #[pyo3(signature = (
+        points, objects, names, start, motion, touch_radius, settings=None, blockers=true,
+        threads=None
+    ))]
+    #[allow(clippy::too_many_arguments)]
+    fn plan_paths<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyAny>,
+        objects: Vec<Vec<usize>>,
+        names: Vec<String>,
+        start: &Bound<'py, PyAny>,
+        motion: &Bound<'py, PyDict>,
+        touch_radius: &Bound<'py, PyAny>,
+        settings: Option<&Bound<'py, PyDict>>,
+        blockers: bool,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let targets = targets(points, objects, names)?;
+        let settings = settings::read(settings)?;
+        let picking = harvest::Picking {
+            start: posture("start", start, DOF)?,
+            plan: motion_settings(motion)?,
+            touch_radius: real("touch_radius", touch_radius)?,
+            blockers,
+        };
+        let threads = threads::number(threads, "threads")?;
+        let mut signals = Signals::new();
+        let made = py.detach(|| {
+            let mut go = || signals.go_on_detached();
+            harvest::plan_paths(&self.0, &targets, &settings, &picking, threads, &mut go)
+        });
+        let made = made.map_err(|error| signals.exception(py, error))?;
+        let of_postures: Vec<Decision> = made.iter().map(|one| one.decision.clone()).collect();
+        let out = decisions(py, self, &of_postures)?;
+        let each = made.iter();
+        let paths = each.clone().map(|one| planned(py, &one.path, DOF));
+        out.set_item("paths", paths.collect::<PyResult<Vec<_>>>()?)?;
+        let goals =
+            each.clone().map(|one| array(py, &[one.goals.len() / DOF, DOF], one.goals.clone()));
+        out.set_item("goals", goals.collect::<PyResult<Vec<_>>>()?)?;
+        let blockers = each.map(|one| one.blockers.as_ref().map(|found| found.objects.clone()));
+        out.set_item("blockers_path", blockers.collect::<Vec<_>>())?;
         Ok(out)
     }
 
@@ -228,6 +265,28 @@ where
     Bound<'py, numpy::PyArrayDyn<T>>: IntoPyObject<'py>,
 {
     out.set_item(name, array(py, &[from.len()], from.iter().map(value).collect())?)
+}
+
+/// The columns of decisions.
+fn decisions<'py>(
+    py: Python<'py>,
+    station: &HarvestStation,
+    made: &[Decision],
+) -> PyResult<Bound<'py, PyDict>> {
+    let found: Vec<Option<Row>> = made.iter().map(|decision| decision.row).collect();
+    let out = rows(py, station, &found)?;
+    put(py, &out, "status", made, |decision| decision.status as u8)?;
+    put(py, &out, "stage", made, |decision| decision.stage as u8)?;
+    put(py, &out, "tilt", made, |decision| decision.tilt)?;
+    put(py, &out, "shift", made, |decision| decision.shift)?;
+    put(py, &out, "exact_distance", made, |decision| decision.exact)?;
+    put(py, &out, "refined", made, |decision| decision.refined)?;
+    put(py, &out, "straight", made, |decision| decision.straight)?;
+    put(py, &out, "angles", made, |decision| decision.angles as i64)?;
+    put(py, &out, "open", made, |decision| decision.open as i64)?;
+    put(py, &out, "singular", made, |decision| decision.singular as i64)?;
+    out.set_item("attempts", attempts(py, made)?)?;
+    Ok(out)
 }
 
 /// The columns of rows, zeros and the nearest joint values where there is none.

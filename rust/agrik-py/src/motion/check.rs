@@ -1,7 +1,8 @@
 //! Whether ways are free.
 
-use agrik_motion::edges::{Outcome, Verdict, check_path, check_segments};
+use agrik_motion::edges::{Outcome, Verdict, check_corners, check_path, check_segments};
 use agrik_motion::{Contact, Other};
+use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -46,6 +47,32 @@ pub fn motion_check<'py>(
     });
     let found = found.map_err(|error| signals.exception(py, error))?;
     verdicts(py, &found)
+}
+
+/// Whether the triangles of postures are free whose vertices are rows of three arrays.
+#[pyfunction]
+#[pyo3(signature = (collider, start, corner, end, settings, threads=None))]
+pub fn motion_corners<'py>(
+    collider: &Bound<'py, Collider>,
+    start: &Bound<'py, PyAny>,
+    corner: &Bound<'py, PyAny>,
+    end: &Bound<'py, PyAny>,
+    settings: &Bound<'py, PyDict>,
+    threads: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyArrayDyn<bool>>> {
+    let py = collider.py();
+    let core = collider.get().core();
+    let dof = core.bodies().chain().dof();
+    let [start, corner, end] = [start, corner, end].map(|q| JointValues::new(q, dof));
+    let (start, corner, end) = (start?, corner?, end?);
+    let keep = settings::read(settings)?.keep;
+    let threads = threads::number(threads, "threads")?;
+    let values = [start.values()?, corner.values()?, end.values()?];
+    let mut signals = Signals::new();
+    let found =
+        py.detach(|| check_corners(&core, keep, values, threads, &mut || signals.go_on_detached()));
+    let found = found.map_err(|error| signals.exception(py, error))?;
+    array(py, &[found.len()], found)
 }
 
 /// Verdicts as columns.

@@ -2,4 +2,4 @@
 
 pub mod check;
 pub mod plan;
-mod settings;
+pub mod settings;
