@@ -85,22 +85,4 @@ short = arm.line(start, end)
 print(short.success, ik.Status(int(short.status[-1])).name, len(short), "postures")
 
 # %%
-# When it is where
-# ----------------
-#
-# `Robot.line` makes the same path by itself. `motion.time_law` gives it its time: as short as the
-# limits of the joints allow, and here no faster than 0.15 m/s along the line. The points are those
-# of ROS's JointTrajectory.
-
-trajectory = motion.time_law(arm, arm.line(start, poses[-1]), speed=0.15)
-print(trajectory)
-message = trajectory.to_ros()
-print(message["joint_names"], len(message["points"]), message["points"][-1]["time_from_start"])
-
-figure, axis = plt.subplots(figsize=(7, 3.4), layout="constrained")
-axis.plot(trajectory.times, np.degrees(trajectory.velocities), label=arm.joint_names)
-axis.set(xlabel="time [s]", ylabel="joint velocity [degrees/s]")
-axis.legend(fontsize=7, ncols=3)
-
-# %%
 # :doc:`../paths` says how a path is followed, :doc:`../trajectories` what the time law does.
