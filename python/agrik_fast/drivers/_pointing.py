@@ -69,6 +69,12 @@ class PointingStep:
         Processor time of the loop's parts.
     note : str
         Why it does not move.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import PointingStep
+    >>> PointingStep.__annotations__["gap"]
+    'float'
     """
 
     time: float

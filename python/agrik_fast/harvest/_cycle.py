@@ -34,6 +34,12 @@ class Leg:
         Waypoints, between which it is straight in joint space.
     clearance : ndarray, shape (n - 1,), m
         Distance that is kept on each piece.
+
+    Examples
+    --------
+    >>> from agrik_fast.harvest import Leg
+    >>> Leg("approach", ik.Robot.load("cucumber"), ik.Scene([]), np.zeros((2, 7)), np.zeros(1)).name
+    'approach'
     """
 
     name: str
