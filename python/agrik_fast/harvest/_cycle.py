@@ -62,6 +62,14 @@ class Cycle:
         first two. Each begins where the one before ends.
     status : motion.PathStatus
         OK where all legs are there; else why the next one is not.
+
+    Examples
+    --------
+    >>> from agrik_fast import harvest
+    >>> arm = ik.Robot.load("cucumber")
+    >>> found = harvest.cycle(arm, harvest.example_scene(), "C4", arm.home)
+    >>> found.ok, found.status.name
+    (True, 'OK')
     """
 
     decision: Decision
