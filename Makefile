@@ -21,7 +21,7 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run test lint format bench callgrind aarch64 sanitize miri wheel docs clean build oracle \
-	firmware rigs rigs-full browser gradients \
+	firmware rigs rigs-full browser gradients vision-full \
 	damaged fuzz-arms fuzz-sample robustness rust-lint rust-test python-lint python-test
 
 help: ## say what every target does
@@ -31,6 +31,7 @@ help: ## say what every target does
 run: build ## solve the example targets of every robot, write and check the results
 	$(PY) examples/run_all.py
 	$(PY) examples/field_jobs.py
+	$(PY) examples/play_line.py
 
 test: rust-lint rust-test python-lint python-test ## every check but the oracle: linters, types, Rust and Python tests
 
@@ -76,6 +77,10 @@ rigs-full: build $(VENV)/.dev firmware ## an hour of simulated work and faults o
 browser: build $(VENV)/.dev ## the viewer in Chromium (sets itself up on Debian as root)
 	.ci/browser
 	AGRIK_BROWSER=1 $(PY) -m pytest -m browser
+
+vision-full: build $(VENV)/.dev ## the detector on 2,000 renders of all kinds, the loop before 20 fruits
+	PYTHONPATH=tests $(PY) tests/vision_renders.py --renders 2000
+	PYTHONPATH=tests $(PY) tests/pointing_full.py --fruits 20
 
 damaged: build $(VENV)/.dev ## 2,000 damaged files: no traceback, < 500 MB, < 5 s each
 	$(PY) tests/io/damaged_files.py --files 2000

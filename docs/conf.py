@@ -1,6 +1,7 @@
 """Sphinx settings. `make docs` builds with -W: every warning is an error."""
 
 import importlib.metadata
+import re
 import sys
 from pathlib import Path
 
@@ -10,6 +11,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "tools")]
 import generate  # noqa: E402 - found only after the line above
 import links  # noqa: E402
 
+from agrik_fast import _lazy  # noqa: E402
 from agrik_fast.drivers import Simulator, SimulatorError  # noqa: E402
 
 project = "agrik_fast"
@@ -31,6 +33,8 @@ myst_enable_extensions = ["deflist", "dollarmath"]
 myst_heading_anchors = 3
 # A name in single backticks is a link where the reference has it.
 default_role = "py:obj"
+# A word such as `iterations` may be an attribute of several classes: it stays without a link.
+suppress_warnings = ["ref.python", "toc.empty_glob"]
 
 html_theme = "pydata_sphinx_theme"
 html_title = "agrik_fast"
@@ -56,7 +60,7 @@ def simulated_rigs() -> bool:
     try:
         Simulator().close()
     except SimulatorError as error:
-        print(f"NOT RUN: the tutorial of the simulated rig ({error})")
+        print(f"NOT CHECKED: the tutorial of the simulated rig ({error})")
         return False
     return True
 
@@ -72,6 +76,7 @@ sphinx_gallery_conf = {
     "abort_on_example_error": False,
     "only_warn_on_example_error": False,
     "plot_gallery": True,
+    "capture_repr": (),
     "download_all_examples": False,
     "copyfile_regex": r".*\.(urdf|toml)",
     "remove_config_comments": True,
@@ -95,6 +100,26 @@ napoleon_use_ivar = True
 napoleon_use_rtype = False
 
 
+def add_names_of_the_package(app):
+    """Let the reference show `agrik_fast.Robot` by that name.
+
+    The package loads its names when they are used, which AutoAPI does not follow.
+    """
+    found = app.env.autoapi_all_objects
+    for name, module in _lazy.MODULE_OF.items():
+        if f"agrik_fast.{module}.{name}" in found:
+            found[f"agrik_fast.{name}"] = found[f"agrik_fast.{module}.{name}"]
+
+
+def shorten(app, what, name, obj, options, signature, returned):
+    """Write types by their last names; an arm is made by `Robot.load` and its like alone."""
+    if name == "agrik_fast.Robot":
+        return "", None
+    return tuple(
+        re.sub(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])", "", text or "") for text in (signature, returned)
+    )
+
+
 def without_text(app, what, name, member, skip, options):
     """Leave out attributes that only repeat what the class docstring says of them."""
     return True if getattr(member, "docstring", None) == "" else None
@@ -102,5 +127,8 @@ def without_text(app, what, name, member, skip, options):
 
 def setup(app):
     app.connect("builder-inited", lambda app: generate.main(HERE / "_generated"))
+    # After AutoAPI has read the sources.
+    app.connect("builder-inited", add_names_of_the_package, priority=900)
+    app.connect("autodoc-process-signature", shorten)
     app.connect("autodoc-skip-member", without_text)
     app.connect("missing-reference", links.resolve)

@@ -12,6 +12,8 @@ import matplotlib as mpl
 import numpy as np
 import ring_picture
 import solids_picture
+import trajectory_pictures
+import vision_pictures
 
 import agrik_fast as ik
 from agrik_fast.papers import hydrolek, redundant7, strawberry, tomato
@@ -231,7 +233,7 @@ def describe(name: str) -> str:
 def main(folder: Path) -> None:
     """Write everything into `folder`."""
     folder.mkdir(exist_ok=True)
-    front_picture.draw_front(folder / "front.png", save)
+    front_picture.draw(folder, save)
     draw_reach(folder / "reach.svg")
     draw_arm_angles(folder / "arm_angles.svg")
     draw_branches(folder / "branches.svg")
@@ -247,6 +249,8 @@ def main(folder: Path) -> None:
     solids_picture.draw_greenhouse(folder / "scene.png", save)
     solids_picture.draw_clearance(folder / "clearance.svg", save)
     hardware_pictures.main(folder / "hardware")
+    trajectory_pictures.draw(folder / "trajectories.svg", save)
+    vision_pictures.main(folder / "vision")
     methods = folder / "methods"
     methods.mkdir(exist_ok=True)
     draw_laws(methods)

@@ -12,15 +12,14 @@ import inspect
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from types import ModuleType
 from typing import Any
 
 import layout
+from agrik_fast.errors import MissingExtraError
 
 PAGES = layout.ROOT / "docs" / "api"
-STUB = layout.SOURCES / "_native.pyi"
 _DIRECTIVE = re.compile(
-    r"^\.\. autoapi(class|exception|function):: (\S+)\n((?:   :[^\n]*\n)*)", re.MULTILINE
+    r"^\.\. autoapi(class|exception|function|module):: (\S+)\n((?:   :[^\n]*\n)*)", re.MULTILINE
 )
 
 
@@ -34,15 +33,19 @@ class Entry:
         Name of the page that shows it.
     name : str
         Full public name.
-    module : ModuleType
+    module : str
         Public module that holds it.
+    is_here : bool
+        False if that needs a library that is not installed: those of gradients, whose examples
+        ``tests/gradients`` runs.
     docstring : str
         Its documentation, empty if there is none.
     """
 
     page: str
     name: str
-    module: ModuleType
+    module: str
+    is_here: bool
     docstring: str
 
 
@@ -50,18 +53,29 @@ def entries() -> Iterator[Entry]:
     """Yield all that the reference shows, page by page."""
     for page in sorted(PAGES.glob("*.md")):
         for kind, name, lines in _DIRECTIVE.findall(page.read_text("utf-8") + "\n"):
-            module, thing = _found(name)
-            yield Entry(page.stem, name, module, _docstring(thing))
+            if kind == "module":
+                yield from _of_module(page.stem, name)
+                continue
+            module, _, last = name.rpartition(".")
+            try:
+                thing = getattr(importlib.import_module(module), last)
+            except MissingExtraError:
+                yield Entry(page.stem, name, module, False, _in_source(module)[last])
+                continue
+            yield Entry(page.stem, name, module, True, _docstring(thing))
             if kind != "function":
                 for method in _methods(thing, lines):
                     doc = _docstring(inspect.getattr_static(thing, method), thing, method)
-                    yield Entry(page.stem, f"{name}.{method}", module, doc)
+                    yield Entry(page.stem, f"{name}.{method}", module, True, doc)
 
 
-def _found(name: str) -> tuple[ModuleType, Any]:
-    module, _, last = name.rpartition(".")
-    holder = importlib.import_module(module)
-    return holder, getattr(holder, last)
+def _of_module(page: str, name: str) -> Iterator[Entry]:
+    """Yield the functions and classes of a module that is shown whole."""
+    module = importlib.import_module(name)
+    for public in module.__all__:
+        thing = getattr(module, public)
+        if inspect.isroutine(thing) or isinstance(thing, type):
+            yield Entry(page, f"{name}.{public}", name, True, _docstring(thing))
 
 
 def _methods(kind: type, lines: str) -> list[str]:
@@ -91,14 +105,14 @@ def _docstring(thing: Any, owner: type | None = None, method: str = "") -> str:
     holder = owner or thing
     if holder.__module__ == "agrik_fast._native":
         name = f"{holder.__name__}.{method}" if method else holder.__name__
-        return _stub_docstrings().get(name, "")
+        return _in_source("agrik_fast._native").get(name, "")
     return inspect.getdoc(getattr(owner, method) if owner else thing) or ""
 
 
 @functools.cache
-def _stub_docstrings() -> dict[str, str]:
-    """Return the docstrings of the compiled module, which are those of its stub."""
-    found = {}
+def _in_source(module: str) -> dict[str, str]:
+    """Return the docstrings of a module by reading it; the compiled one has a stub for that."""
+    found: dict[str, str] = {}
 
     def visit(body: list[ast.stmt], prefix: str) -> None:
         for node in body:
@@ -107,5 +121,5 @@ def _stub_docstrings() -> dict[str, str]:
             if isinstance(node, ast.ClassDef):
                 visit(node.body, f"{prefix}{node.name}.")
 
-    visit(ast.parse(STUB.read_text("utf-8")).body, "")
+    visit(ast.parse(layout.modules()[module].read_text("utf-8")).body, "")
     return found

@@ -36,6 +36,8 @@ from agrik_fast.collision import (
 )
 from agrik_fast.drivers import (
     Link,
+    LockstepCamera,
+    PointingLoop,
     SerialTransport,
     Simulator,
     StrawberryRig,
@@ -45,29 +47,47 @@ from agrik_fast.drivers import (
 from agrik_fast.drivers._messages import Type
 from agrik_fast.errors import AgrikError
 from agrik_fast.tuning import Tuning
+from agrik_fast.vision import (
+    Camera,
+    Detector,
+    Device,
+    Fruit,
+    StereoPair,
+    Tracker,
+    paper_camera,
+    random_scene,
+    render,
+)
+from agrik_fast.vision import Scene as DrawnScene
 
-# Files and the jobs over them have tests of their own, which damage them; papers write files,
-# drawings are given axes, and torch and JAX are not installed everywhere.
+# Files and the jobs over them have tests of their own, which damage them; papers and viewers
+# write files and start servers, drawings are given axes, and torch and JAX are not installed
+# everywhere.
 ELSEWHERE = (
     "agrik_fast.cli",
     "agrik_fast.cluster",
+    "agrik_fast.collision.drawing",
     "agrik_fast.harvest.drawing",
     "agrik_fast.io",
     "agrik_fast.jax",
     "agrik_fast.jobs",
     "agrik_fast.papers",
     "agrik_fast.torch",
+    "agrik_fast.plots",
+    "agrik_fast.viewer",
 )
 # Exceptions and codes hold what they are given; tables of files are checked by their readers,
 # which turn the model's error into one of ours.
 RECORDS = (BaseException, tuple, int, pydantic.BaseModel)
 # Records that the library makes and nobody else.
 ANSWERS = {
-    "Arrival", "Attempt", "Blockers", "Branches", "Command", "Commands", "Decision", "Decisions",
-    "DhRow", "Distances", "Evaluation", "ExcludedPair", "Family", "IkResult", "LinkStatistics",
-    "PacedResult", "Path", "Programme", "Report", "RigStatus", "Run", "Runs", "SelfPairs",
-    "Sensitivity", "Simulated", "Straightened", "StrawberryResult", "Terms", "TomatoBranches",
-    "TomatoResult", "Torques",
+    "Arrival", "Attempt", "Blockers", "Branches", "Budget", "CameraCalibration", "CameraPose",
+    "Command", "Commands", "Cone", "Decision", "Decisions", "Detection", "DhRow", "Distances",
+    "Evaluation", "ExcludedPair", "Family", "FruitTruth", "IkResult", "JointPath",
+    "LinkStatistics", "LongFruit", "Obstacle", "PacedResult", "Path", "PathSensitivity", "Plane",
+    "PointingStep", "Programme", "Rendering", "Report", "RigStatus", "Run", "Runs", "SelfPairs",
+    "Sensitivity", "Simulated", "Straightened", "StrawberryResult", "Surface", "Terms",
+    "TomatoBranches", "TomatoResult", "Torques", "Track", "Trajectory",
 }  # fmt: skip
 # Objects and files, for which nothing but their own kind makes sense: what is none at all is the
 # type checker's business, as it is for `Robot(definition)`, which users do not call.
@@ -83,6 +103,9 @@ COUNTS = {"count", "draws", "n"}
 ARM = ik.Robot.load("redundant7")
 POSES = ARM.fk(ARM.random_q(2, seed=1))
 CUCUMBER = ik.Robot.load("cucumber")
+DETECTOR = Detector(paper_camera())
+IMAGE = np.zeros((240, 320, 3), np.uint8)
+DETECTIONS = DETECTOR.detect(render(random_scene("clean")).image)
 SCENE = Scene(
     [SceneObject.of("a name", Sphere((0.4, 0.4, 0.4), 0.1))],
     targets={"a name": Target((0.4, 0.4, 0.4))},
@@ -109,9 +132,16 @@ def receivers() -> dict[type, Any]:
         StrawberryRig: StrawberryRig("loop://"),
         TomatoRig: TomatoRig("loop://"),
         Link: Link("loop://", timeout=0.001, tries=1),
+        Camera: paper_camera(),
+        Detector: Detector(paper_camera()),
+        StereoPair: StereoPair(Camera.of_view(64, 48, 60), 0.06),
+        Tracker: Tracker(),
+        PointingLoop: PointingLoop(TomatoRig("loop://"), DETECTOR, np.eye(4), 0.03),
         # Walked by their constructors alone, as they are lines that something else uses.
         SerialTransport: None,
         Simulator: None,
+        Device: None,
+        LockstepCamera: None,
         Transport: None,
     }
 
@@ -119,6 +149,40 @@ def receivers() -> dict[type, Any]:
 # An argument of each name that is in order.
 ARGUMENTS: dict[str, Any] = {
     "a": np.zeros(3),
+    "along": (1.0, 0.0, 0.0),
+    "base_from_camera": np.eye(4),
+    "board": np.stack([np.eye(4)] * 3),
+    "boxes": [[10, 10, 20, 20]],
+    "camera": paper_camera(),
+    "clock": Link("loop://").transport,
+    "cx": 160.0,
+    "cy": 120.0,
+    "depth": np.full((240, 320), 0.5),
+    "degrees": 60.0,
+    "detection": DETECTIONS[0],
+    "detector": DETECTOR,
+    "distance": 0.3,
+    "file": "none.png",
+    "fx": 300.0,
+    "fy": 300.0,
+    "gripper": np.stack([np.eye(4)] * 3),
+    "height": 240,
+    "image": IMAGE,
+    "images": [IMAGE],
+    "left": IMAGE,
+    "mask": np.zeros((240, 320), np.uint8),
+    "masks": np.zeros((1, 240, 320), bool),
+    "matches": np.ones((1, 4)),
+    "matrix": paper_camera().matrix,
+    "number": 0,
+    "paths": ["none.png"],
+    "pixels": np.ones((12, 2)),
+    "rays": np.eye(3),
+    "right": IMAGE,
+    "right_pose": np.eye(4),
+    "time": 1.0,
+    "width": 320,
+    "baseline": 0.06,
     "angles": np.zeros(3),
     "arm": ARM,
     "at_stem": np.ones(3),
@@ -190,10 +254,33 @@ ARGUMENTS: dict[str, Any] = {
     "url": "loop://",
     "weights": (1, 1, 1, 0, 0, 0),
     "values": {},
+    "start": np.zeros(7),
+    "end": np.array([0.3, 0.2, 0.9]),
+    "via": np.array([0.1, 0.2, 1.0]),
+    "waypoints": np.zeros((2, 7)),
     "xyz": np.zeros(3),
+}
+# Pictures and cameras: words that mean something else elsewhere.
+VISION: dict[str, Any] = {
+    "LockstepCamera.scene": lambda time: random_scene("empty"),
+    "PointingLoop.rig": TomatoRig("loop://"),
+    "PointingLoop.run.camera": [],
+    "StereoPair.camera": Camera.of_view(64, 48, 60),
+    "annotated.found": [],
+    "detection_row.image": "a picture",
+    "eye_to_hand.base": np.ones((6, 3)),
+    "eye_to_hand.camera": np.ones((6, 3)),
+    "long_fruit.mask": np.zeros((240, 320), bool),
+    "looking_at.target": np.ones(3),
+    "obstacles.masks": [np.zeros((240, 320), bool)],
+    "render.scene": DrawnScene((Fruit((0, 0, 0.4), 0.03),)),
+    "rendered.scene": random_scene("empty"),
+    "triangulate.left": paper_camera(),
+    "triangulate.right": paper_camera(),
 }
 # Those of one callable alone.
 EXACTLY: dict[str, Any] = {
+    **VISION,
     "StateSpace.A": np.zeros((3, 3)),
     "Link.command.kind": Type.STOP,
     "Link.request.kind": Type.PING,

@@ -43,7 +43,11 @@ def test_it_has_an_example(entry: reference.Entry) -> None:
 
 
 # A name that two pages or two classes share is run once.
-ONCE = {entry.docstring: entry for entry in reversed(ENTRIES) if ">>> " in entry.docstring}
+ONCE = {
+    entry.docstring: entry
+    for entry in reversed(ENTRIES)
+    if entry.is_here and ">>> " in entry.docstring
+}
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,6 @@
 """
-Your own arm
-============
+Bring your own arm
+==================
 
 From a URDF to joint values in five steps: write or take the file, load it, look at what was
 read, ask for a target, and keep the arm in a small file of its own.
@@ -92,15 +92,11 @@ print(ik.Status(arm.ik([1.5, 0.0, 0.3]).status).name)
 # Look at it
 # ----------
 #
-# `Robot.fk_links` has the frames of all links; their origins are enough for a sketch.
+# `Robot.plot` draws the chain, or the solids of an arm that has them; of several postures the last
+# is drawn in full.
 
-figure, axis = plt.subplots(subplot_kw={"projection": "3d"}, figsize=(6, 5))
-for q, words in ((result.q, "position"), (from_above.q, "tool straight down")):
-    points = np.vstack([np.zeros(3), arm.fk_links(q)[:, :3, 3]])
-    axis.plot(*points.T, marker="o", linewidth=3, label=words)
-axis.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
-axis.set_aspect("equal")
-axis.legend()
+figure, axes = plt.subplots(subplot_kw={"projection": "3d"}, figsize=(6, 5))
+arm.plot([result.q, from_above.q], targets=[[0.35, 0.25, 0.55], [0.35, 0.25, 0.15]], axes=axes)
 
 # %%
 # Keep it

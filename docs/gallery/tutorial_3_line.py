@@ -1,40 +1,106 @@
 """
-A straight line
-===============
+A line with speed limits, as a JointTrajectory
+==============================================
 
-The tool goes along a straight line; every joint moves smoothly, or the page says where it cannot.
+The tool goes along a straight line; the time law makes it as quick as the joints allow; the result
+is played by others as a ROS ``trajectory_msgs/JointTrajectory``.
 """
 
 # %%
 # The line
 # --------
+#
+# `Robot.line` starts from a posture and leads the tool straight to a point or a pose. ``success``
+# is False, and the path ends early, where the line cannot be followed.
+
+import json
+import tempfile
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 import agrik_fast as ik
+from agrik_fast import motion
 
-arm = ik.Robot.load("ur5")
-start = np.radians([30.0, -100.0, 110.0, -100.0, -90.0, 0.0])
-begin = arm.fk(start)
-poses = np.repeat(begin[None], 101, axis=0)
-poses[:, :3, 3] += np.linspace(0, 1, 101)[:, None] * [0.25, -0.30, 0.10]
+arm = ik.Robot.load("panda")
+start = arm.joint_values({"panda_joint2": -0.4, "panda_joint4": -2.0, "panda_joint6": 1.8})
+end = arm.fk(start)
+end[:3, 3] += [0.10, 0.30, -0.10]
+path = arm.line(start, end)
+print(path, f"{path.lengths.sum():.3f} m")
 
 # %%
-# Follow it
-# ---------
+# How fast may it go?
+# -------------------
 #
-# `Robot.follow` solves each pose from the posture before and keeps every joint below the step that
-# it is given; ``discontinuity`` marks the places where no such posture exists.
+# Limits of velocity, acceleration and jerk come from the robot's file; what is missing there is
+# given to `agrik_fast.motion.time_law`. Here the tool may not be faster than 0.25 m/s either.
 
-path = arm.follow(poses, start, max_joint_step=0.05)
-print(path)
-print("largest step:", np.degrees(np.abs(path.joint_step).max()).round(2), "degrees")
+print("velocity limits [rad/s]:", arm.velocity_limits)
+trajectory = motion.time_law(arm, path, speed=0.25, rate=125)
+print(trajectory)
+
+# %%
+# The tool is on the line all the time, and no limit is exceeded:
+
+way = arm.fk(trajectory.positions)[:, :3, 3] - arm.fk(start)[:3, 3]
+along = end[:3, 3] - arm.fk(start)[:3, 3]
+off = np.linalg.norm(np.cross(way, along / np.linalg.norm(along)), axis=1)
+print(f"off the line by {1e6 * off.max():.1f} um at most")
+used = np.abs(trajectory.velocities).max(axis=0) / arm.velocity_limits
+print("share of each joint's velocity limit:", used.round(2))
+
+figure, (above, middle, below) = plt.subplots(
+    3, 1, figsize=(7, 6), layout="constrained", sharex=True
+)
+speed = np.linalg.norm(np.gradient(way, trajectory.times, axis=0), axis=1)
+above.plot(trajectory.times, speed)
+above.axhline(0.25, color="#c0532b", linewidth=0.8)
+above.set_ylabel("tool [m/s]")
+middle.plot(trajectory.times, trajectory.velocities)
+middle.set_ylabel("joints [rad/s]")
+below.plot(trajectory.times, trajectory.accelerations)
+below.set(ylabel="joints [rad/s²]", xlabel="time [s]")
+
+# %%
+# For others to play
+# ------------------
+#
+# The suffix says what is written: CSV, Parquet and NPZ hold the points as a table, JSON and YAML
+# have the shape of a ROS message; `Trajectory.write_bag` makes a ROS 2 bag (extra ``ros``).
+
+folder = Path(tempfile.mkdtemp())
+trajectory.save(folder / "line.json")
+trajectory.save(folder / "line.csv")
+message = json.loads((folder / "line.json").read_text())
+print(message["joint_names"])
+print(len(message["points"]), "points, the last at", message["points"][-1]["time_from_start"])
+
+# %%
+# A line that leaves the workspace ends where it does, and says why:
+
+end[0, 3] += 1.0
+short = arm.line(start, end)
+print(short.success, ik.Status(int(short.status[-1])).name, len(short), "postures")
+
+# %%
+# When it is where
+# ----------------
+#
+# `Robot.line` makes the same path by itself. `motion.time_law` gives it its time: as short as the
+# limits of the joints allow, and here no faster than 0.15 m/s along the line. The points are those
+# of ROS's JointTrajectory.
+
+trajectory = motion.time_law(arm, arm.line(start, poses[-1]), speed=0.15)
+print(trajectory)
+message = trajectory.to_ros()
+print(message["joint_names"], len(message["points"]), message["points"][-1]["time_from_start"])
 
 figure, axis = plt.subplots(figsize=(7, 3.4), layout="constrained")
-axis.plot(np.degrees(path.q), label=arm.joint_names)
-axis.set(xlabel="pose along the line", ylabel="joint [degrees]")
+axis.plot(trajectory.times, np.degrees(trajectory.velocities), label=arm.joint_names)
+axis.set(xlabel="time [s]", ylabel="joint velocity [degrees/s]")
 axis.legend(fontsize=7, ncols=3)
 
 # %%
-# :doc:`../paths` says how a path is followed.
+# :doc:`../paths` says how a path is followed, :doc:`../trajectories` what the time law does.

@@ -18,7 +18,6 @@ import matplotlib.pyplot as plt
 
 from agrik_fast import Robot, harvest
 from agrik_fast.collision import greenhouse
-from agrik_fast.harvest import drawing
 
 scene = greenhouse(seed=2, plants=6, leaves=12)
 print(len(scene.objects), "objects;", len(scene.targets), "fruits:", *scene.targets)
@@ -45,9 +44,7 @@ arm = Robot.load("cucumber")
 first = next(name for name in found.names if found[name].status == harvest.Status.OK)
 figure = plt.figure(figsize=(7, 6))
 space = figure.add_subplot(projection="3d")
-drawing.draw_scene(space, scene, skip=["machine"])
-drawing.draw_arm(space, arm, found[first].q, alpha=0.9)
-drawing.frame_space(space, (-0.5, -0.8, 0.2), (1.0, 0.9, 2.0), (22, -120))
+scene.plot(arm, found[first].q, skip=["machine"], view=(22, -120), axes=space)
 space.set_title(f"cucumber picks {first}")
 
 # %%

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
         UrdfError,
     )
     from .result import Branches, Family, IkResult, Singularity, Status, Warnings
-    from .robot import Path, Robot
+    from .robot import JointPath, Path, Robot
 else:
     from ._lazy import __dir__ as __dir__
     from ._lazy import __getattr__ as __getattr__
@@ -49,6 +49,7 @@ __all__ = [
     "Branches",
     "Family",
     "IkResult",
+    "JointPath",
     "Path",
     "Robot",
     "RobotFileError",

@@ -934,6 +934,13 @@ class Bodies:
         share is None but for "structural".
         """
 
+    def levers(self, q: ArrayLike, margin: ArrayLike) -> NDArray[np.float64]:
+        """Return levers, shape (..., dof, bodies), m/rad or no unit.
+
+        A joint that changes by no more than `margin`, shape (dof,), from the joint values,
+        shape (..., dof), moves a core point of a body by no more than its lever times its change.
+        """
+
     def __len__(self) -> int:
         """Return the number of bodies."""
 
@@ -1042,6 +1049,14 @@ class Collider:
         ------
         ArgumentError
             As `collides`.
+        """
+
+    def shifted_clearance(
+        self, q: ArrayLike, shifts: ArrayLike, threads: int | None = None
+    ) -> NDArray[np.float64]:
+        """Distance from the scene at joint values (n, dof), m.
+
+        The bodies of each posture are shifted by vectors, shape (n, bodies, 3), m.
         """
 
     def distances(
@@ -1654,11 +1669,6 @@ class HarvestProgramme:
 
     def terms(self, q: ArrayLike) -> dict[str, Any]:
         """Return the terms of the cost at joint values, shape (..., dof)."""
-
-    def clearances(
-        self, q: ArrayLike, shifts: ArrayLike, threads: int | None = None
-    ) -> NDArray[np.float64]:
-        """Distance from the crop at joint values (n, dof), bodies shifted by (n, bodies, 3), m."""
 
     def search(
         self,

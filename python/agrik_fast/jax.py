@@ -38,6 +38,13 @@ class Solved(NamedTuple):
     success : Array of bool, shape (...)
     status : Array of uint8, shape (...)
         Codes of `agrik_fast.Status`.
+
+    Examples
+    --------
+    >>> import agrik_fast.jax
+    >>> found = agrik_fast.jax.ik(ik.Robot.load("ur5"), np.array([[0.4, 0.2, 0.3]]))
+    >>> found.q.shape, found.success.tolist()
+    ((1, 6), [True])
     """
 
     q: Any
@@ -71,8 +78,12 @@ def ik(robot: Robot, targets: Any, **options: Any) -> Solved:
 
     Examples
     --------
-    >>> import jax  # doctest: +SKIP
-    >>> follow = jax.grad(lambda T: agrik_fast.jax.ik(arm, T).q.sum())  # doctest: +SKIP
+    >>> import jax
+    >>> import agrik_fast.jax
+    >>> arm = ik.Robot.load("ur5")
+    >>> follow = jax.grad(lambda point: agrik_fast.jax.ik(arm, point).q.sum())
+    >>> follow(np.array([0.4, 0.2, 0.3])).shape
+    (3,)
     """
     targets = _floats(targets)
     if targets.shape[-2:] != (4, 4) and targets.shape[-1:] != (3,):
@@ -100,6 +111,14 @@ def fk(robot: Robot, q: Any) -> Any:
     ------
     ArgumentError
         Joint values of another shape.
+
+    Examples
+    --------
+    >>> import jax
+    >>> import agrik_fast.jax
+    >>> arm = ik.Robot.load("ur5")
+    >>> jax.grad(lambda q: agrik_fast.jax.fk(arm, q)[:3, 3].sum())(np.zeros(6)).shape
+    (6,)
     """
     q = _floats(q)
     if q.shape[-1:] != (robot.dof,):

@@ -36,6 +36,14 @@ class Solved(NamedTuple):
     success : Tensor of bool, shape (...)
     status : Tensor of uint8, shape (...)
         Codes of `agrik_fast.Status`.
+
+    Examples
+    --------
+    >>> import torch
+    >>> import agrik_fast.torch
+    >>> found = agrik_fast.torch.ik(ik.Robot.load("ur5"), torch.tensor([[0.4, 0.2, 0.3]]))
+    >>> tuple(found.q.shape), found.success.tolist()
+    ((1, 6), [True])
     """
 
     q: Any
@@ -68,9 +76,13 @@ def ik(robot: Robot, targets: Any, **options: Any) -> Solved:
 
     Examples
     --------
-    >>> import torch  # doctest: +SKIP
-    >>> target = torch.tensor([0.3, 0.2, 0.4], requires_grad=True)  # doctest: +SKIP
-    >>> agrik_fast.torch.ik(arm, target).q.sum().backward()  # doctest: +SKIP
+    >>> import torch
+    >>> import agrik_fast.torch
+    >>> arm = ik.Robot.load("ur5")
+    >>> target = torch.tensor([0.4, 0.2, 0.3], dtype=torch.float64, requires_grad=True)
+    >>> agrik_fast.torch.ik(arm, target).q.sum().backward()
+    >>> tuple(target.grad.shape)
+    (3,)
     """
     _check("targets", targets)
     q, success, status = _Ik.apply(targets, robot, options)
@@ -96,6 +108,15 @@ def fk(robot: Robot, q: Any) -> Any:
     ------
     ArgumentError
         As for `ik`, and as `Robot.fk`.
+
+    Examples
+    --------
+    >>> import torch
+    >>> import agrik_fast.torch
+    >>> q = torch.zeros(6, dtype=torch.float64, requires_grad=True)
+    >>> agrik_fast.torch.fk(ik.Robot.load("ur5"), q)[:3, 3].sum().backward()
+    >>> tuple(q.grad.shape)
+    (6,)
     """
     _check("q", q)
     return _Fk.apply(q, robot)

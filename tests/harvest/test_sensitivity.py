@@ -69,5 +69,3 @@ def test_each_error_alone(postures: list[harvest.Decision]) -> None:
         assert spread <= 1.1 * found.deviation.max(), name
     with pytest.raises(ik.ArgumentError, match="vision"):
         Errors(vision=-1.0)
-    with pytest.raises(ik.ArgumentError, match="modified Denavit"):
-        harvest.sensitivity("panda", scene, (0.5, 0, 0.5), np.zeros(7))

@@ -23,10 +23,11 @@ FILES = {
     "tomato": {
         *("table1.csv", "figure8.csv", "torques.csv", "servos.csv", "report.md"),
         *("links.csv", "alpha.csv", "lost.csv"),
+        *("figure9.csv", "position_errors.csv", "latency.csv"),
         *(
             f"{name}.{kind}"
             for name in (
-                *(f"figure{number}" for number in (2, 3, 4, 5, 6, 8)),
+                *(f"figure{number}" for number in range(2, 11)),
                 *("arm", "links", "alpha", "lost"),
             )
             for kind in ("png", "svg")
@@ -130,6 +131,22 @@ def test_tomato_error_is_calibration_not_kinematics() -> None:
     none = tomato.ErrorSizes(link=0.0, zero=0.0, deadband=0.0, image=0.0)
     assert np.abs(tomato.monte_carlo(sizes=none, draws=10)).max() < 1e-10
     assert tomato.monte_carlo("inverse", none, draws=10).max() < 0.3
+
+
+def test_tomato_pictures_and_what_follows_from_them(folders: dict[str, Path]) -> None:
+    rows = read(folders["tomato"] / "figure9.csv")
+    assert len(rows) == 3 * len(tomato.PUBLISHED)
+    # The paper's text: mostly under 0.7 % of the picture.
+    assert all(0 < float(row["image_percent_of_width"]) < 0.7 for row in rows)
+    methods = read(folders["tomato"] / "position_errors.csv")
+    assert [row["method"] for row in methods] == list(tomato.PUBLISHED)
+    for row in methods:
+        own = [float(each["position_mm"]) for each in rows if each["method"] == row["method"]]
+        assert float(row["mean_of_3_mm"]) == pytest.approx(np.mean(own), abs=0.01)
+    latency = read(folders["tomato"] / "latency.csv")
+    assert len(latency) == len(tomato.grid()) == 24
+    assert np.median([float(row["total_analytic_ms"]) for row in latency]) < 15
+    assert max(float(row["centre_error_mm"]) for row in latency) < 6
 
 
 def test_tomato_alpha_fails_above_its_bound(folders: dict[str, Path]) -> None:

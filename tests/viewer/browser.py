@@ -52,6 +52,7 @@ def chromium() -> Iterator[Any]:
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"performance": "ALL"})
     driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    driver.set_script_timeout(60)
     try:
         yield Page(driver)
     finally:
@@ -80,6 +81,18 @@ class Page:
         with_notice = wait_for(lambda: self.find(".mantine-Notification-closeButton"), "the notice")
         for button in with_notice:
             self.click(button)
+        # Its first picture takes a browser without a graphics card long: what it draws with is
+        # compiled then.
+        wait_for(lambda: self._frames(1.0) >= 3, "a picture that moves", 60.0)
+
+    def _frames(self, seconds: float) -> int:
+        """Return how many pictures are drawn in a time."""
+        script = (
+            "const [seconds, done] = arguments, begin = performance.now(); let n = 0;"
+            "const next = () => { n++; if (performance.now() - begin > 1000 * seconds)"
+            " done(n); else requestAnimationFrame(next); }; requestAnimationFrame(next)"
+        )
+        return int(self.driver.execute_async_script(script, seconds))
 
     def requested(self) -> set[str]:
         """Return all addresses that the pages asked for so far."""
@@ -187,7 +200,8 @@ class Page:
 
     def _mouse(self, kind: str, place: Any, **more: Any) -> None:
         x, y = map(float, place)
-        self._order("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
+        held = int("button" in more and kind != "mouseReleased")
+        self._order("Input.dispatchMouseEvent", type=kind, x=x, y=y, buttons=held, **more)
 
     def _touch(self, kind: str, place: Any) -> None:
         x, y = map(float, place)
@@ -220,3 +234,61 @@ def project(camera: Any, place: Any) -> np.ndarray:
     height, width = camera.image_height, camera.image_width
     scale = height / 2 / np.tan(camera.fov / 2)
     return np.array([width / 2 + scale * across / away, height / 2 + scale * down / away])
+
+
+def the_camera(viewer: Any) -> Any:
+    """Return the camera of the page that was opened last, once it stands still."""
+    clients = wait_for(viewer._panel.server.get_clients, "a client")
+    camera = clients[max(clients)].camera
+    before = None
+    while before != (before := tuple(camera.position)):
+        time.sleep(0.3)
+    return camera
+
+
+def drag_axis(page: Page, viewer: Any, axis: int, by: float, *, touch: bool = False) -> None:
+    """Drag one arrow of the target's handle along its axis."""
+    camera, handle = the_camera(viewer), viewer._panel.stage.handle
+    pose = viewer.target
+    along = pose[:3, axis]
+    tip = pose[:3, 3] + 0.95 * handle.scale * along
+    page.drag(project(camera, tip), project(camera, tip + by * along), touch=touch)
+
+
+# In the page itself: from the first move of the pointer to the next change of the status.
+_WATCH = """
+window.agrikTimes = [];
+let begin = null, said = document.getElementById('agrik-status').innerText;
+document.addEventListener('pointermove', (e) => {
+  if ((e.buttons & 1) && begin === null) begin = performance.now();
+}, true);
+new MutationObserver(() => {
+  const now = document.getElementById('agrik-status');
+  if (!now || now.innerText === said) return;
+  said = now.innerText;
+  if (begin !== null) window.agrikTimes.push((performance.now() - begin) / 1000);
+  begin = null;
+}).observe(document.body, {subtree: true, childList: true, characterData: true});
+"""
+
+
+def drag_times(page: Page, viewer: Any, moves: int) -> np.ndarray:
+    """Drag the target to and fro; return the times from a move to the changed status, s."""
+    camera, handle = the_camera(viewer), viewer._panel.stage.handle
+    pose = viewer.target
+    along = pose[:3, 2]
+    tip = pose[:3, 3] + 0.95 * handle.scale * along
+    page.driver.execute_script(_WATCH)
+    page._mouse("mouseMoved", project(camera, tip))
+    time.sleep(0.5)
+    page._mouse("mousePressed", project(camera, tip), button="left", clickCount=1)
+    count = "return window.agrikTimes.length"
+    for number in range(1, moves + 1):
+        # Never the same place twice: each has its own numbers in the status.
+        by = -0.03 * (1 + number % 2) - 0.0004 * number
+        page._mouse("mouseMoved", project(camera, tip + by * along), button="left")
+        wait_for(
+            lambda number=number: page.driver.execute_script(count) >= number, "another status"
+        )
+    page._mouse("mouseReleased", project(camera, tip), button="left", clickCount=1)
+    return np.array(page.driver.execute_script("return window.agrikTimes"))

@@ -1,7 +1,6 @@
 """The viewer in a real browser: one page after the other, as a person would use it."""
 
 import re
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,14 +8,24 @@ from urllib.parse import urlparse
 
 import numpy as np
 import pytest
-from browser import BROWSER, Page, chromium, project, wait_for
+from browser import (
+    BROWSER,
+    Page,
+    chromium,
+    drag_axis,
+    drag_times,
+    project,
+    the_camera,
+    wait_for,
+)
 
 import agrik_fast as ik
 from agrik_fast.viewer import Viewer, export_html, view
 
 pytestmark = [*BROWSER, pytest.mark.timeout(300)]
-DESKTOP, PHONE = (1280, 800), (390, 844)
-START = ik.Robot.load("redundant7").fk([0.4, 0.6, 0.1, 0.9, 0.2, 0.8, 0.0])
+# The target is left of the panel.
+DESKTOP, PHONE = (1000, 640), (390, 844)
+START = ik.Robot.load("redundant7").fk([-2.4, 0.6, 0.1, 0.9, 0.2, 0.8, 0.0])
 
 
 @pytest.fixture(scope="module")
@@ -44,25 +53,6 @@ def desktop(opened: Page, viewer: Viewer) -> Page:
     viewer.aim(START)
     wait_for(lambda: "CONVERGED" in opened.status, "the status")
     return opened
-
-
-def the_camera(viewer: Viewer) -> Any:
-    """Return the camera of the page that was opened last, settled."""
-    clients = wait_for(viewer._panel.server.get_clients, "a client")
-    camera = clients[max(clients)].camera
-    before = None
-    while before != (before := tuple(camera.position)):
-        time.sleep(0.3)
-    return camera
-
-
-def drag_axis(page: Page, viewer: Viewer, axis: int, by: float, *, touch: bool = False) -> None:
-    """Drag one arrow of the target's handle along its axis."""
-    camera, handle = the_camera(viewer), viewer._panel.stage.handle
-    pose = viewer.target
-    along = pose[:3, axis]
-    tip = pose[:3, 3] + 0.95 * handle.scale * along
-    page.drag(project(camera, tip), project(camera, tip + by * along), touch=touch)
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2], ids="xyz")
@@ -97,15 +87,17 @@ def test_the_first_screen_says_what_it_is(desktop: Page, viewer: Viewer) -> None
         assert desktop.labelled(label).is_displayed(), label
     # Something stands in the middle, which is not the white of an empty page.
     picture = desktop.picture()
-    middle = picture[200:600, 400:900].astype(int)
+    middle = picture[100:600, 200:650].astype(int)
     colourful = (middle.max(axis=2) - middle.min(axis=2)) > 60
     assert colourful.sum() > 500
 
 
 def test_number_fields_do_what_the_handle_does(desktop: Page, viewer: Viewer) -> None:
-    height = float(viewer.target[2, 3]) - 0.03
-    desktop.write("z [m]", f"{height:.4f}")
-    wait_for(lambda: abs(viewer.target[2, 3] - height) < 1e-4, "the target")
+    # As many digits as the field has.
+    height = round(float(viewer.target[2, 3]) - 0.03, 3)
+    desktop.write("z [m]", f"{height:.3f}")
+    wait_for(lambda: abs(viewer.target[2, 3] - height) < 1e-9, "the target")
+    wait_for(lambda: f"{height:.3f} m" in desktop.status, "the status")
     viewer._panel.worker.settle(30.0)
     assert np.abs(viewer.robot.fk(viewer.q) - viewer.target).max() < 1e-6
 
@@ -197,7 +189,8 @@ def test_what_is_taken_away(desktop: Page, viewer: Viewer) -> None:
     desktop.tab("Export")
     desktop.button("copy as Python")
     wait_for(lambda: viewer._tabs.export._script.visible, "the script")
-    script = wait_for(lambda: desktop.labelled("Python").get_attribute("value"), "its text")
+    area = wait_for(lambda: desktop.find("textarea"), "a place for it")[0]
+    script = wait_for(lambda: area.get_attribute("value"), "its text")
     names: dict[str, Any] = {}
     exec(script, names)
     assert np.abs(names["result"].q - viewer.q).max() < 1e-6
@@ -205,21 +198,9 @@ def test_what_is_taken_away(desktop: Page, viewer: Viewer) -> None:
 
 def test_the_time_from_drag_to_text(desktop: Page, viewer: Viewer) -> None:
     desktop.tab("Target")
-    camera, handle = the_camera(viewer), viewer._panel.stage.handle
-    pose = viewer.target
-    tip = pose[:3, 3] + 0.95 * handle.scale * pose[:3, 2]
-    a, b = project(camera, tip), project(camera, tip - 0.08 * pose[:3, 2])
-    desktop._mouse("mouseMoved", a)
-    time.sleep(0.5)
-    desktop._mouse("mousePressed", a, button="left", clickCount=1)
-    before = desktop.status
-    begin = time.monotonic()
-    desktop._mouse("mouseMoved", (a + b) / 2, button="left")
-    desktop._mouse("mouseMoved", b, button="left")
-    wait_for(lambda: desktop.status != before, "another status", 2.0)
-    took = time.monotonic() - begin
-    desktop._mouse("mouseReleased", b, button="left", clickCount=1)
-    assert took <= 2.0
+    times = drag_times(desktop, viewer, moves=7)
+    # What a hand waits for: the benchmark prints how short it is, here it must not be long.
+    assert np.median(times) <= 2.0, times
 
 
 def test_on_a_phone_the_arm_is_in_view_and_a_finger_drags(page: Page, viewer: Viewer) -> None:

@@ -300,7 +300,8 @@ def test_meshes_and_solids_of_a_urdf_are_shown(tmp_path: Path) -> None:
         '<material name="red"><color rgba="1 0 0 1"/></material></visual>'
         '<visual><geometry><cylinder radius="0.05" length="0.2"/></geometry></visual>'
     )
-    text = text.replace('<link name="l1"/>', f'<link name="l1">{visual}</link>')
+    solid = '<collision><geometry><sphere radius="0.05"/></geometry></collision>'
+    text = text.replace('<link name="l1"/>', f'<link name="l1">{visual}{solid}</link>')
     file = tmp_path / "arm.urdf"
     file.write_text(text, encoding="utf-8")
     arm = ik.Robot.load(file)

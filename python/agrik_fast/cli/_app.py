@@ -606,7 +606,7 @@ def plan(
 @app.command()
 def paper(
     name: Annotated[
-        str, typer.Argument(help=f"Whose paper: {', '.join(PAPERS[:-1])} or {PAPERS[-1]}.")
+        str, typer.Argument(help=f"Whose paper: {', '.join(PAPERS)}, or all of them: all.")
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
     force: Annotated[
@@ -622,16 +622,31 @@ def paper(
 ) -> None:
     """Compute a paper's tables and figures anew and write them to a folder.
 
-    Published values, where there are any, stand beside ours. Needs the extra `papers`.
+    Published values, where there are any, stand beside ours. `all` gives each paper a folder,
+    and one page, index.html, with every table and picture. Needs the extra `papers`.
     """
     with exit_codes() as kept:
-        from ._paper import reproduce
+        from ._paper import ALL, check, reproduce
+        from .progress import for_stream
 
-        def report(line: str) -> None:
-            say(f"{name}: {line}")
-
+        check(name, output, force=force, experiments=experiments)
         kept.what = lambda: f"files that were finished are in {output}"
-        files = reproduce(name, output, report, force=force, experiments=experiments)
+        if name == ALL:
+            with for_stream(sys.stderr) as bar:
+                bar.start("papers", len(PAPERS))
+                files = reproduce(
+                    name,
+                    output,
+                    bar.note,
+                    done=lambda _: bar.advance(1),
+                )
+        else:
+            files = reproduce(
+                name,
+                output,
+                lambda line: say(f"{name}: {line}"),
+                experiments=experiments,
+            )
         with telling(f"files: {output}"):
             for file in files:
                 typer.echo(str(file))
@@ -736,9 +751,10 @@ def drive(
 ) -> None:
     """Drive the strawberry or the tomato rig from target to target, or to what a camera sees.
 
-    A table shows where it is; with a camera, the numbers of the last picture. Ctrl-C stops the motors first. At the first target that cannot be
-    driven to the motors stop, and the rest of the list is named. Needs the extra `drivers`, and
-    for the simulated rig a checkout with `make firmware`.
+    A table shows where it is; with a camera, the numbers of the last picture. Ctrl-C stops the
+    motors first. At the first target that cannot be driven to the motors stop, and the rest of the
+    list is named. Needs the extra `drivers` (with a camera, `vision` too), and for the simulated
+    rig a checkout with `make firmware`.
     """
     with exit_codes() as kept:
         from ._drive import DriveRequest, Row, count, drive_words, one_of

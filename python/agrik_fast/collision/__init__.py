@@ -19,7 +19,6 @@ from ._crop import fruit, leaf, pipe, row, stalk, stem, wire
 from ._files import file_schema
 from ._greenhouse import greenhouse, greenhouse_document
 from ._objects import SceneObject
-from ._pictures import draw_scene
 from ._queries import Distances
 from ._scene import Scene, document_of, from_document
 
@@ -41,7 +40,6 @@ __all__ = [
     "Sphere",
     "Target",
     "document_of",
-    "draw_scene",
     "file_schema",
     "from_document",
     "fruit",

@@ -303,7 +303,7 @@ class Scene(Queries):
         >>> scene.plot().axes[0].get_zlabel()
         'z [m]'
         """
-        from ._pictures import plot
+        from .drawing import plot
 
         return plot(self, arm, q, skip, view, axes)
 

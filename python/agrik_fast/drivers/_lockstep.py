@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import finite_array, real_number, whole_number
+from .._checks import finite_array, real_number, shown, whole_number
+from ..errors import ArgumentError
 from ..vision import Camera, Frame, Scene, render
 from ._transport import Transport
 
@@ -46,6 +47,12 @@ class LockstepCamera:
         age: float = 0.022,
         frames: int | None = None,
     ) -> None:
+        if not callable(getattr(clock, "now", None)):
+            raise ArgumentError("clock", shown(clock), "a Transport")
+        if not callable(scene):
+            raise ArgumentError("scene", shown(scene), "a function of the time")
+        if not isinstance(camera, Camera):
+            raise ArgumentError("camera", shown(camera), "a vision.Camera")
         self.clock, self.scene, self.camera = clock, scene, camera
         self.pose = finite_array("pose", pose, (4, 4))
         self.rate = real_number("rate", rate, 0, 1000, open_low=True, unit="1/s")

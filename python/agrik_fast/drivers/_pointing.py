@@ -149,6 +149,8 @@ class PointingLoop:
             raise ArgumentError("base_from_camera", "a matrix that is no pose", "a rigid pose")
         self.radius = real_number("radius", radius, 0, open_low=True, unit="m")
         self.radius_sigma = real_number("radius_sigma", radius_sigma, 0, unit="m")
+        if tracker is not None and not isinstance(tracker, Tracker):
+            raise ArgumentError("tracker", type(tracker).__name__, "a vision.Tracker or None")
         self.tracker = Tracker() if tracker is None else tracker
         self.lead = real_number("lead", lead, 0, 1, unit="s")
         self.dead_band_us = real_number("dead_band_us", dead_band_us, 0, 50, unit="us")

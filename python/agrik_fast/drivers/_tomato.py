@@ -259,6 +259,15 @@ class TomatoRig(Rig):
             Beyond the limits.
         RigError
             The board refuses, or does not answer.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     rig.aim(rig.status().q + 0.05)
+        ...     print(rig.status().moving)
+        True
         """
         values = self._checked("q", q)
         band = real_number("dead_band_us", dead_band_us, 0, 50, unit="us")
@@ -273,6 +282,14 @@ class TomatoRig(Rig):
         ------
         RigFaultError
             The board stopped.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     print(rig.watch().state)
+        idle
         """
         report = self._watch_quietly()
         pulses = np.array([report.servo[each.index] / 2 for each in self.calibration.servo])
@@ -288,7 +305,16 @@ class TomatoRig(Rig):
         return super()._watch()
 
     def touching(self) -> bool:
-        """Whether the sensor at the tip says that the surface is as near as `stop_at`."""
+        """Whether the sensor at the tip says that the surface is as near as `stop_at`.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import Simulator, TomatoRig
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     print(rig.touching())
+        False
+        """
         if self._contact is None:
             return False
         said = self._contact()

@@ -64,6 +64,14 @@ class CropsJob:
     ------
     ArgumentError
         A wrong setting; one with a time limit, on which results would depend.
+
+    Examples
+    --------
+    >>> from agrik_fast.harvest import CropsJob
+    >>> from agrik_fast.jobs import Job
+    >>> job: Job = CropsJob(blockers=False)
+    >>> job.name, job.success
+    ('harvest', 'evaluated')
     """
 
     robot: Robot | str | PathLike[str] = "cucumber"

@@ -69,6 +69,13 @@ class Cut:
         there is no posture, or where the target has no stalk.
     ok : ndarray of bool, shape (n,)
         The stalk is within the cutter's reach.
+
+    Examples
+    --------
+    >>> from agrik_fast.harvest import Cut
+    >>> cut = Cut(distance=np.array([0.0, 0.02]), ok=np.array([True, False]))
+    >>> cut.ok.mean().item()
+    0.5
     """
 
     distance: FloatArray

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._checks import FloatArray
-from ..collision import Scene, draw_scene
+from ..collision import Scene
+from ..collision.drawing import draw_scene
 from ..plots import GREY, PAGE_WIDTH, PALE, PALETTE, figure, frame_space, styled
 from ._decisions import Status
 from ._evaluate import Evaluation

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from ._check import Checked, Contact, Outcome, check, check_segments
+from ._errors import Errors
 from ._goals import Prefer, goals_of
+from ._path_errors import PathSensitivity, path_sensitivity
 from ._plan import CutProof, PathStatus, Plan, plan
 from ._rounded import rounded
+from ._sensitivity import Sensitivity, Simulated, sensitivity, simulate
 from ._settings import Settings
 from ._time_law import time_law
 from ._trajectory import Trajectory
@@ -14,16 +17,23 @@ __all__ = [
     "Checked",
     "Contact",
     "CutProof",
+    "Errors",
     "Outcome",
+    "PathSensitivity",
     "PathStatus",
     "Plan",
     "Prefer",
+    "Sensitivity",
     "Settings",
+    "Simulated",
     "Trajectory",
     "check",
     "check_segments",
     "goals_of",
+    "path_sensitivity",
     "plan",
     "rounded",
+    "sensitivity",
+    "simulate",
     "time_law",
 ]

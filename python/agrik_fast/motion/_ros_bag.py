@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,10 +13,8 @@ from .._checks import text
 from .._files import brief
 from ..errors import ArgumentError, MissingExtraError
 from ..io import ResultFileError
+from ._points import Points
 from ._trajectory_files import message
-
-if TYPE_CHECKING:
-    from ._trajectory import Trajectory
 
 __all__ = ["write"]
 
@@ -25,7 +23,7 @@ TYPE = "trajectory_msgs/msg/JointTrajectory"
 _TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 
 
-def write(trajectory: Trajectory, path: str | PathLike[str], topic: str) -> None:
+def write(points: Points, path: str | PathLike[str], topic: str) -> None:
     """Write a trajectory as one message of a new bag; see `Trajectory.write_bag`."""
     folder = _checks.path("path", path)
     if not _TOPIC.fullmatch(text("topic", topic)):
@@ -38,7 +36,7 @@ def write(trajectory: Trajectory, path: str | PathLike[str], topic: str) -> None
     if folder.exists():
         raise ResultFileError(folder, "exists already")
     store = get_typestore(Stores.ROS2_HUMBLE)
-    data = store.serialize_cdr(_typed(store.types, message(trajectory)), TYPE)
+    data = store.serialize_cdr(_typed(store.types, message(points)), TYPE)
     try:
         with Writer(folder, version=9) as bag:
             connection = bag.add_connection(topic, TYPE, typestore=store)

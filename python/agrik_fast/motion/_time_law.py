@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -77,7 +78,7 @@ def time_law(
     >>> arm = ik.Robot.load("ur5")
     >>> trajectory = motion.time_law(arm, [arm.home, arm.home + [0.5, 0, 0, 0, 0, 1.0]])
     >>> round(trajectory.duration, 4)
-    0.941
+    0.9041
     """
     if not isinstance(arm, Robot):
         raise ArgumentError("arm", shown(arm), "a Robot")
@@ -102,7 +103,7 @@ def time_law(
         most = real_number("speed", speed, 0.0, open_low=True, unit="m/s")
         if not way.of_tool:
             raise ArgumentError("speed", f"{most:g}, but a path of the joints", "Robot.line or arc")
-    recipe = {
+    recipe: dict[str, Any] = {
         "waypoints": way.q,
         "lengths": way.lengths,
         "blends": way.blends,

@@ -13,6 +13,7 @@ from .. import _native
 from .._checks import FloatArray, float_array, real_number
 from ..errors import ArgumentError
 from . import _trajectory_files
+from ._points import Points
 
 __all__ = ["Trajectory"]
 
@@ -32,10 +33,10 @@ class Trajectory:
     --------
     >>> import agrik_fast as ik
     >>> from agrik_fast import motion
-    >>> arm = ik.Robot.load("panda")
+    >>> arm = ik.Robot.load("ur5")
     >>> q = arm.home
     >>> trajectory = motion.time_law(arm, [q, q + 0.2, q])
-    >>> trajectory.positions.shape == (len(trajectory), 7)
+    >>> trajectory.positions.shape == (len(trajectory), 6)
     True
     >>> trajectory.velocities[-1].any()
     np.False_
@@ -57,7 +58,8 @@ class Trajectory:
         self._types = joint_types
         self._rate = rate
         times = self._motion.times if rate is None else _grid(self._motion.duration, rate)
-        self._points = (times, *self._motion.at(times))
+        q, v, a, j = self._motion.at(times)
+        self._points: tuple[FloatArray, ...] = (times, q, v, a, j)
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -108,6 +110,12 @@ class Trajectory:
     def deviation(self) -> float:
         """How far rounded corners leave their waypoints at most, in a joint value, rad or m."""
         return self._motion.deviation
+
+    @property
+    def acceleration_limits(self) -> FloatArray:
+        """Limits of the joints' acceleration that hold, shape (dof,), rad/s^2 or m/s^2."""
+        limits: FloatArray = self._recipe["limits"][1].copy()
+        return limits
 
     @property
     def phase_times(self) -> FloatArray:
@@ -175,7 +183,7 @@ class Trajectory:
         >>> arm = ik.Robot.load("ur5")
         >>> trajectory = motion.time_law(arm, [arm.home, arm.home + 0.5])
         >>> len(trajectory.sampled(None))
-        8
+        7
         """
         return Trajectory(self._recipe, self._names, self._types, checked_rate(rate), self._motion)
 
@@ -209,7 +217,7 @@ class Trajectory:
         >>> path.read_text().split(",")[:2]
         ['time_s', 'shoulder_pan_rad']
         """
-        _trajectory_files.save(self, path, force=force)
+        _trajectory_files.save(self._rows(), path, force=force)
 
     def to_ros(self, frame_id: str = "") -> dict[str, Any]:
         """Return the points in the shape of ROS's ``trajectory_msgs/JointTrajectory``.
@@ -226,10 +234,13 @@ class Trajectory:
             ``velocities``, ``accelerations``, ``effort`` (empty) and ``time_from_start``
             (``sec``, ``nanosec``); lists of plain numbers.
 
+            Of points nearer in time than a nanosecond, which the message cannot tell apart,
+            the last one stands there.
+
         Raises
         ------
         ArgumentError
-            Points nearer in time than a nanosecond, which the message cannot tell apart.
+            A `frame_id` that is no text.
 
         Examples
         --------
@@ -240,7 +251,7 @@ class Trajectory:
         >>> message["points"][0]["time_from_start"]
         {'sec': 0, 'nanosec': 0}
         """
-        return _trajectory_files.message(self, frame_id)
+        return _trajectory_files.message(self._rows(), frame_id)
 
     def write_bag(self, path: str | PathLike[str], topic: str = "/joint_trajectory") -> None:
         """Write the points as one message to a new ROS 2 bag.
@@ -259,11 +270,32 @@ class Trajectory:
         MissingExtraError
             The extra ``ros`` (rosbags, pure Python) is not installed.
         ArgumentError
-            As `to_ros`; a topic that is none.
+            A topic that is none.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> import agrik_fast as ik
+        >>> from agrik_fast import motion
+        >>> arm = ik.Robot.load("ur5")
+        >>> folder = pathlib.Path(tempfile.mkdtemp()) / "bag"
+        >>> motion.time_law(arm, [arm.home, arm.home + 0.5]).write_bag(folder)
+        >>> sorted(file.name for file in folder.iterdir())
+        ['bag.db3', 'metadata.yaml']
         """
         from ._ros_bag import write
 
-        write(self, path, topic)
+        write(self._rows(), path, topic)
+
+    def _rows(self) -> Points:
+        return Points(
+            self._names,
+            self._types,
+            self.times,
+            self.positions,
+            self.velocities,
+            self.accelerations,
+        )
 
     def __len__(self) -> int:
         return len(self.times)

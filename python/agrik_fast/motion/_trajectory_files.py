@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Iterator
 from io import BytesIO
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,16 +14,14 @@ from .. import _atomic, _checks
 from .._checks import FloatArray, truth_value
 from ..errors import AgrikError, ArgumentError
 from ..io import ResultFileError, import_pyarrow
-
-if TYPE_CHECKING:
-    from ._trajectory import Trajectory
+from ._points import Points
 
 __all__ = ["message", "save"]
 
 _NANOSECONDS = 10**9
 
 
-def save(trajectory: Trajectory, path: str | PathLike[str], *, force: bool) -> None:
+def save(points: Points, path: str | PathLike[str], *, force: bool) -> None:
     """Write a trajectory; see `Trajectory.save`."""
     file = _checks.path("path", path)
     truth_value("force", force)
@@ -34,17 +32,16 @@ def save(trajectory: Trajectory, path: str | PathLike[str], *, force: bool) -> N
     make = _MAKERS.get(file.suffix.lower())
     if make is None:
         raise ArgumentError("path", repr(str(file)), f"a name that ends in {', '.join(_MAKERS)}")
-    _atomic.write_bytes(file, make(trajectory, refuse), refuse, force=force)
+    _atomic.write_bytes(file, make(points, refuse), refuse, force=force)
 
 
-def message(trajectory: Trajectory, frame_id: str = "") -> dict[str, Any]:
+def message(points: Points, frame_id: str = "") -> dict[str, Any]:
     """Return a trajectory as ROS has it; see `Trajectory.to_ros`."""
     _checks.text("frame_id", frame_id)
-    stamps = np.rint(trajectory.times * _NANOSECONDS).astype(np.int64)
-    if (np.diff(stamps) <= 0).any():
-        expected = "points at least a nanosecond apart: another rate"
-        raise ArgumentError("trajectory", "points that the message cannot tell apart", expected)
-    points = [
+    stamps = np.rint(points.times * _NANOSECONDS).astype(np.int64)
+    # Of points that the message cannot tell apart the last one counts.
+    kept = np.append(np.diff(stamps) > 0, True)
+    rows = [
         {
             "positions": q,
             "velocities": v,
@@ -53,34 +50,34 @@ def message(trajectory: Trajectory, frame_id: str = "") -> dict[str, Any]:
             "time_from_start": {"sec": stamp // _NANOSECONDS, "nanosec": stamp % _NANOSECONDS},
         }
         for q, v, a, stamp in zip(
-            trajectory.positions.tolist(),
-            trajectory.velocities.tolist(),
-            trajectory.accelerations.tolist(),
-            stamps.tolist(),
+            points.positions[kept].tolist(),
+            points.velocities[kept].tolist(),
+            points.accelerations[kept].tolist(),
+            stamps[kept].tolist(),
             strict=True,
         )
     ]
     header = {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": frame_id}
-    return {"header": header, "joint_names": list(trajectory.joint_names), "points": points}
+    return {"header": header, "joint_names": list(points.joint_names), "points": rows}
 
 
-def _columns(trajectory: Trajectory) -> dict[str, FloatArray]:
+def _columns(points: Points) -> dict[str, FloatArray]:
     """Return the columns of a table: time, joint values, velocities, accelerations."""
-    units = ["m" if kind == "prismatic" else "rad" for kind in trajectory.joint_types]
-    columns = {"time_s": trajectory.times}
+    units = ["m" if kind == "prismatic" else "rad" for kind in points.joint_types]
+    columns = {"time_s": points.times}
     blocks = (
-        ("", trajectory.positions),
-        ("_s", trajectory.velocities),
-        ("_s2", trajectory.accelerations),
+        ("", points.positions),
+        ("_s", points.velocities),
+        ("_s2", points.accelerations),
     )
     for behind, block in blocks:
-        for name, unit, column in zip(trajectory.joint_names, units, block.T, strict=True):
+        for name, unit, column in zip(points.joint_names, units, block.T, strict=True):
             columns[f"{name}_{unit}{behind}"] = column
     return columns
 
 
-def _csv(trajectory: Trajectory, _: Callable[[str], AgrikError]) -> bytes:
-    columns = _columns(trajectory)
+def _csv(points: Points, _: Callable[[str], AgrikError]) -> bytes:
+    columns = _columns(points)
     rows = np.column_stack(list(columns.values())).tolist()
     lines = [",".join(_quoted(name) for name in columns)]
     lines += [",".join(map(repr, row)) for row in rows]
@@ -93,36 +90,36 @@ def _quoted(name: str) -> str:
     return name
 
 
-def _parquet(trajectory: Trajectory, refuse: Callable[[str], AgrikError]) -> bytes:
+def _parquet(points: Points, refuse: Callable[[str], AgrikError]) -> bytes:
     pyarrow = import_pyarrow(refuse)
     from pyarrow import parquet
 
     stream = BytesIO()
-    columns = {name: np.ascontiguousarray(column) for name, column in _columns(trajectory).items()}
+    columns = {name: np.ascontiguousarray(column) for name, column in _columns(points).items()}
     parquet.write_table(pyarrow.table(columns), stream, use_dictionary=False)
     return stream.getvalue()
 
 
-def _npz(trajectory: Trajectory, _: Callable[[str], AgrikError]) -> bytes:
+def _npz(points: Points, _: Callable[[str], AgrikError]) -> bytes:
     stream = BytesIO()
     np.savez(
         stream,
-        joint_names=np.array(trajectory.joint_names),
-        joint_types=np.array(trajectory.joint_types),
-        times=trajectory.times,
-        positions=trajectory.positions,
-        velocities=trajectory.velocities,
-        accelerations=trajectory.accelerations,
+        joint_names=np.array(points.joint_names),
+        joint_types=np.array(points.joint_types),
+        times=points.times,
+        positions=points.positions,
+        velocities=points.velocities,
+        accelerations=points.accelerations,
     )
     return stream.getvalue()
 
 
-def _json(trajectory: Trajectory, _: Callable[[str], AgrikError]) -> bytes:
-    return (json.dumps(message(trajectory), ensure_ascii=False, indent=1) + "\n").encode()
+def _json(points: Points, _: Callable[[str], AgrikError]) -> bytes:
+    return (json.dumps(message(points), ensure_ascii=False, indent=1) + "\n").encode()
 
 
-def _yaml(trajectory: Trajectory, _: Callable[[str], AgrikError]) -> bytes:
-    return ("\n".join(_yaml_lines(message(trajectory))) + "\n").encode()
+def _yaml(points: Points, _: Callable[[str], AgrikError]) -> bytes:
+    return ("\n".join(_yaml_lines(message(points))) + "\n").encode()
 
 
 def _yaml_lines(content: dict[str, Any]) -> Iterator[str]:
@@ -150,7 +147,7 @@ def _flow(value: Any) -> str:
     return json.dumps(value)
 
 
-_MAKERS: dict[str, Callable[[Trajectory, Callable[[str], AgrikError]], bytes]] = {
+_MAKERS: dict[str, Callable[[Points, Callable[[str], AgrikError]], bytes]] = {
     ".csv": _csv,
     ".parquet": _parquet,
     ".npz": _npz,

@@ -1,17 +1,19 @@
 """Tables and figures of the papers that the bundled robots come from, one package a paper.
 
 Each has what the paper prints (published), what we compute (tables), drawings (figures) and
-a function ``reproduce(directory, report=...)`` that writes the files and returns their
-paths; ``agrik-fast paper NAME -o DIR`` calls it. Figures need the extra ``papers``.
+a function ``reproduce(directory, report=...)`` that writes the files (tables as CSV, figures as
+PNG and SVG, ``report.md`` on what matches) and returns their paths; ``agrik-fast paper NAME -o
+DIR`` calls it, and with ``all`` for every paper. Figures need the extra ``papers``.
 """
 
 from __future__ import annotations
 
+import functools
 import importlib
 from collections.abc import Callable
 from pathlib import Path
 
-__all__ = ["PAPERS", "reproduce"]
+__all__ = ["PAPERS", "reproduce", "reproduce_all"]
 
 PAPERS = ("strawberry", "tomato", "hydrolek", "redundant7", "cucumber")
 """Names of the papers, each a package here."""
@@ -75,3 +77,45 @@ def reproduce(
     more = {} if experiments is None else {"experiments": experiments}
     files: list[Path] = styled(module.reproduce)(directory, report=report, **more)
     return files
+
+
+def reproduce_all(
+    directory: Path,
+    report: Callable[[str], None],
+    *,
+    done: Callable[[str], None] | None = None,
+) -> list[Path]:
+    """Write the tables and figures of all papers, and one page that shows them.
+
+    Parameters
+    ----------
+    directory : Path
+        Folder, made if need be; each paper gets one of its own in it.
+    report : callable
+        Told what is being worked on.
+    done : callable, optional
+        Told the name of each paper when it is there.
+
+    Returns
+    -------
+    list of Path
+        The files, ``index.html`` last.
+
+    Raises
+    ------
+    AgrikError
+        A library of the extra ``papers`` is missing, a file cannot be written.
+    """
+    from ._index import write_index
+
+    files: list[Path] = []
+    for name in PAPERS:
+        files += reproduce(name, directory / name, functools.partial(_named, report, name))
+        if done is not None:
+            done(name)
+    files.append(write_index(directory, PAPERS))
+    return files
+
+
+def _named(report: Callable[[str], None], name: str, line: str) -> None:
+    report(f"{name}: {line}")

@@ -5,7 +5,7 @@ Figures need the extra ``plots`` (Matplotlib). They belong to no window: save on
 """
 
 from ._outcomes import outcomes
-from ._space import add_frame, add_triangles, bounds, frame_space, space
+from ._space import add_frame, add_triangles, bounds, checked_view, frame_space, space, space_or
 from ._style import (
     BAD,
     FIELD,
@@ -34,10 +34,12 @@ __all__ = [
     "add_frame",
     "add_triangles",
     "bounds",
+    "checked_view",
     "figure",
     "frame_space",
     "label",
     "outcomes",
     "space",
+    "space_or",
     "styled",
 ]

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks import FloatArray
+from .._checks import FloatArray, finite_array, shown
+from ..errors import ArgumentError
 from ._style import PALETTE, figure, label
 
 if TYPE_CHECKING:
@@ -35,9 +36,45 @@ def space(width: float, height: float) -> tuple[Figure, Any]:
     ------
     MissingExtraError
         Matplotlib is not installed.
+
+    Examples
+    --------
+    >>> from agrik_fast.plots import space
+    >>> figure, axes = space(4, 4)
+    >>> axes.name
+    '3d'
     """
     drawing = figure(width, height)
     return drawing, drawing.add_subplot(projection="3d")
+
+
+def checked_view(view: object) -> tuple[float, float]:
+    """Return elevation and azimuth, deg.
+
+    Raises
+    ------
+    ArgumentError
+        Not two finite numbers.
+    """
+    elevation, azimuth = finite_array("view", view, (2,)).tolist()  # type: ignore[arg-type]
+    return elevation, azimuth
+
+
+def space_or(axes: Any, width: float, height: float) -> tuple[Figure, Any]:
+    """Return axes in space that were given, with their figure, or new ones for None.
+
+    Raises
+    ------
+    ArgumentError
+        Something else than axes in space.
+    """
+    if axes is None:
+        return space(width, height)
+    from mpl_toolkits.mplot3d import Axes3D
+
+    if not isinstance(axes, Axes3D):
+        raise ArgumentError("axes", shown(axes), "axes in space (projection='3d')")
+    return axes.figure, axes
 
 
 def add_triangles(
@@ -58,6 +95,14 @@ def add_triangles(
     colour : str or (red, green, blue)
     alpha : float, default 1
         0 for glass, 1 for what hides all behind it.
+
+    Examples
+    --------
+    >>> from agrik_fast.plots import add_triangles, space
+    >>> figure, axes = space(4, 4)
+    >>> add_triangles(axes, np.eye(3), np.array([[0, 1, 2]]), "#009e73")
+    >>> len(axes.collections)
+    1
     """
     from matplotlib.colors import to_rgb
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
@@ -86,6 +131,14 @@ def add_frame(axes: Any, pose: FloatArray, size: float, name: str = "") -> None:
         Length of an axis.
     name : str, optional
         Text at its origin.
+
+    Examples
+    --------
+    >>> from agrik_fast.plots import add_frame, space
+    >>> figure, axes = space(4, 4)
+    >>> add_frame(axes, np.eye(4), 0.1, "base")
+    >>> len(axes.lines)
+    3
     """
     at = pose[:3, 3]
     for column, (axis, colour) in enumerate(zip("xyz", PALETTE[1:3] + PALETTE[:1], strict=True)):
@@ -109,6 +162,13 @@ def bounds(clouds: Iterable[FloatArray], margin: float = 0.05) -> tuple[FloatArr
     Returns
     -------
     low, high : ndarray, shape (3,), m
+
+    Examples
+    --------
+    >>> from agrik_fast.plots import bounds
+    >>> low, high = bounds([np.zeros((1, 3)), np.ones((1, 3))], margin=0.0)
+    >>> low.tolist(), high.tolist()
+    ([-0.001, -0.001, -0.001], [1.001, 1.001, 1.001])
     """
     points = np.concatenate([np.asarray(cloud).reshape(-1, 3) for cloud in clouds])
     low, high = points.min(axis=0), points.max(axis=0)
@@ -126,6 +186,14 @@ def frame_space(axes: Any, low: Sequence[float], high: Sequence[float], view: An
         Corners of what is shown.
     view : (float, float)
         Elevation and azimuth, deg.
+
+    Examples
+    --------
+    >>> from agrik_fast.plots import frame_space, space
+    >>> figure, axes = space(4, 4)
+    >>> frame_space(axes, (0, -1, 0), (1, 1, 2), (20, -60))
+    >>> axes.get_xlabel()
+    'x [m]'
     """
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])

@@ -83,6 +83,13 @@ def styled(draw: Callable[_P, _T]) -> Callable[_P, _T]:
     ------
     MissingExtraError
         When it is called: Matplotlib is not installed.
+
+    Examples
+    --------
+    >>> from agrik_fast.plots import figure, styled
+    >>> draw = styled(lambda: figure(3.0, 2.0))
+    >>> callable(draw)
+    True
     """
 
     @functools.wraps(draw)

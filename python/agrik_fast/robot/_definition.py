@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
@@ -95,6 +93,10 @@ class Definition:
 
     def fingerprint(self) -> str:
         """Return a hash of all that the chain is built from."""
+        # The hashes' library alone takes a quarter of the memory of a first answer.
+        import hashlib
+        import json
+
         parts = [self.method, self.arguments, self.base, self.tool, self.variable_order]
         return hashlib.sha256(json.dumps(parts, default=_plain).encode()).hexdigest()
 

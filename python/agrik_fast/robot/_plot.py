@@ -11,7 +11,17 @@ from .._bodies import Visual, has_visuals, visuals
 from .._checks import FloatArray, float_array, shown, word
 from .._warnings import warn
 from ..errors import ArgumentError, RobotWarning, UrdfError
-from ..plots import GREY, PALETTE, add_frame, add_triangles, bounds, frame_space, space, styled
+from ..plots import (
+    GREY,
+    PALETTE,
+    add_frame,
+    add_triangles,
+    bounds,
+    checked_view,
+    frame_space,
+    space_or,
+    styled,
+)
 from ._surfaces import LOOKS, Look, Surface, frames_of, surfaces
 
 if TYPE_CHECKING:
@@ -57,6 +67,11 @@ class Drawing:
         ------
         UrdfError
             A mesh is missing (says where it was looked for) or broken.
+
+        Examples
+        --------
+        >>> ik.Robot.load("panda").visuals()
+        ()
         """
         looks = self._definition.looks
         return () if looks is None else visuals(looks, cast("Robot", self).link_names)
@@ -122,6 +137,12 @@ class Drawing:
         ------
         ArgumentError
             `q` has another last dimension or holds no numbers.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("panda")
+        >>> len(arm.frames_of(arm.home)) == len(arm.link_names) + 1
+        True
         """
         return frames_of(cast("Robot", self), float_array("q", q))
 
@@ -178,7 +199,8 @@ class Drawing:
             raise ArgumentError("q", shown(q), expected)
         rows = values.reshape(-1, robot.dof)
         parts = self.surfaces(show)
-        drawing, drawn = space(6.5, 5.2) if axes is None else (axes.figure, axes)
+        angles = checked_view(view)
+        drawing, drawn = space_or(axes, 6.5, 5.2)
         frames = self.frames_of(rows)
         tips = frames[:, -1, :3, 3]
         points = [tips, frames[-1][:, :3, 3]]
@@ -203,7 +225,7 @@ class Drawing:
             drawn.legend(loc="upper left")
         if axes is None:
             low, high = bounds(points)
-            frame_space(drawn, low.tolist(), high.tolist(), view)
+            frame_space(drawn, low.tolist(), high.tolist(), angles)
         return drawing
 
 

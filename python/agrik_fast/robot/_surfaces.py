@@ -52,6 +52,12 @@ class Surface:
         Red, green and blue, 0 to 1, where the robot's description says it.
     opens : tuple of 3 float, m
         Way that a finger goes, in the frame, when the hand opens.
+
+    Examples
+    --------
+    >>> arm = ik.Robot.load("panda")
+    >>> arm.surfaces()[0].role
+    'base'
     """
 
     name: str
@@ -71,6 +77,13 @@ class Surface:
             From `frames_of`.
         opening : float, default 0
             0 for a closed hand, 1 for an open one.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("panda")
+        >>> one = arm.surfaces("bodies")[0]
+        >>> one.placed(arm.frames_of(arm.home)).shape == one.vertices.shape
+        True
         """
         pose = frames[self.frame]
         corners = self.vertices + opening * np.array(self.opens)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from os import PathLike
+from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -86,7 +86,10 @@ def export_html(
     from ._stage import Stage
     from ._ways import follow
 
-    file = Path(path)
+    try:
+        file = Path(fspath(path))
+    except TypeError:
+        raise ArgumentError("path", shown(path), "a .html file") from None
     if file.suffix.lower() not in (".html", ".htm"):
         raise ArgumentError("path", shown(path), "a .html file")
     truth_value("force", force)
@@ -146,6 +149,14 @@ def playable(
     ------
     AgrikError
         It is neither, or that of another arm.
+
+    Examples
+    --------
+    >>> from agrik_fast.viewer import playable
+    >>> np.save("points.npy", [[0.4, 0.2, 0.3]])
+    >>> q, targets = playable(ik.Robot.load("ur5"), "points.npy")
+    >>> q is None, targets.shape
+    (True, (1, 3))
     """
     from ._ways import Way, read_way
 

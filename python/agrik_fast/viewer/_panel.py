@@ -23,8 +23,8 @@ _FIELDS = ("x [m]", "y [m]", "z [m]", "roll [deg]", "pitch [deg]", "yaw [deg]")
 # Dark enough to be read on white: contrast 7.2 and 5.9.
 _WORD_COLOURS = {True: "#00507d", False: "#a84300"}
 _BRANCHES = "all branches"
-# Below the window with status and robot, px.
-_TABS_AT, _TABS_WIDE = 265, 320
+# Below the window with the status, px.
+_TABS_AT, _TABS_WIDE = 175, 320
 
 
 class Panel:
@@ -53,13 +53,6 @@ class Panel:
         gui = server.gui
         gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 80, 125))
         self._status = gui.add_html("")
-        names = Robot.names()
-        source = session.source
-        self._robot = gui.add_dropdown(
-            "robot", names if source in names else (source, *names), initial_value=source
-        )
-        self._solver = gui.add_dropdown("solver", solvers(), initial_value=session.solver)
-        self._task = gui.add_dropdown("task", TASKS, initial_value=session.task)
         # A window of its own: on a phone it is folded away, and the status stays.
         self.tabs = gui.add_panel()
         self.tabs.float(x=-15, y=_TABS_AT, width=_TABS_WIDE)
@@ -76,7 +69,14 @@ class Panel:
     # -- widgets -----------------------------------------------------------------------------
 
     def _target_tab(self) -> None:
-        gui = self.server.gui
+        gui, session = self.server.gui, self.session
+        names = Robot.names()
+        source = session.source
+        self._robot = gui.add_dropdown(
+            "robot", names if source in names else (source, *names), initial_value=source
+        )
+        self._solver = gui.add_dropdown("solver", solvers(), initial_value=session.solver)
+        self._task = gui.add_dropdown("task", TASKS, initial_value=session.task)
         self._numbers = [
             gui.add_number(label, 0.0, step=0.001 if "[m]" in label else 0.1) for label in _FIELDS
         ]
@@ -205,7 +205,8 @@ class Panel:
 
     def _aim_numbers(self) -> None:
         self.session.aim_numbers([field.value for field in self._numbers])
-        self.refresh()
+        # A number that is being typed is not written over.
+        self.refresh(numbers=False)
 
     def _move_joints(self) -> None:
         kinds = self.session.robot.joint_types
@@ -276,6 +277,7 @@ class Panel:
         self,
         *,
         handle: bool = True,
+        numbers: bool = True,
         joints: bool = True,
         elbow: bool = True,
         branches: bool = True,
@@ -291,8 +293,9 @@ class Panel:
         # Of many drags in a row only the last has to be read.
         if self.worker.waiting() and time.monotonic() - self._said < _TEXT_EVERY:
             return
-        for field, value in zip(self._numbers, session.numbers(), strict=True):
-            field.value = round(value, 5 if "[m]" in field.label else 3)
+        if numbers:
+            for field, value in zip(self._numbers, session.numbers(), strict=True):
+                field.value = round(value, 5 if "[m]" in field.label else 3)
         if joints:
             kinds = session.robot.joint_types
             for slider, kind, value in zip(self._joints, kinds, session.q, strict=True):
@@ -305,7 +308,8 @@ class Panel:
             self._elbow_words.content = session.elbow_intervals()
         if branches and self._all.value and not self.worker.waiting():
             self._show_branches()
-        lines = [outcome.nearness, self.note]
+        place = "target " + ", ".join(f"{value:.3f}" for value in session.target[:3, 3]) + " m"
+        lines = [outcome.nearness, place, self.note]
         self.say(outcome.headline, *filter(None, lines), good=outcome.good)
 
     def say(self, first: str, *more: str, good: bool) -> None:
@@ -316,7 +320,7 @@ class Panel:
         style = (
             f"margin:0.4em 0.8em;padding-left:0.6em;color:{colour};"
             f"border-left:4px {'solid' if good else 'dashed'} {colour};font-size:0.9em;"
-            "min-height:4.6em"
+            "height:6em;overflow:auto"
         )
         rest = "".join(f"<div>{html.escape(line)}</div>" for line in more)
         self._status.content = (

@@ -32,6 +32,13 @@ class Viewer:
     ----------
     url : str
         Where a browser finds it.
+
+    Examples
+    --------
+    >>> from agrik_fast.viewer import view
+    >>> with view("ur5", port=0, open_browser=False) as viewer:
+    ...     print(viewer.robot)
+    Robot('ur5', dof=6)
     """
 
     def __init__(self, panel: Panel, tabs: Tabs, host: str) -> None:
@@ -79,6 +86,13 @@ class Viewer:
         ------
         ArgumentError
             A wrong shape, or numbers that are not finite.
+
+        Examples
+        --------
+        >>> from agrik_fast.viewer import view
+        >>> with view("ur5", port=0, open_browser=False) as viewer:
+        ...     print(viewer.aim([0.4, 0.2, 0.3]).split()[0])
+        CONVERGED
         """
         given = float_array("target", target)
         if given.shape not in ((4, 4), (3,)) or not np.isfinite(given).all():
@@ -98,13 +112,29 @@ class Viewer:
         return self.status
 
     def wait(self) -> None:
-        """Return when the viewer was stopped; Ctrl-C ends it."""
+        """Return when the viewer was stopped; Ctrl-C ends it.
+
+        Examples
+        --------
+        >>> from agrik_fast.viewer import view
+        >>> import threading
+        >>> with view("ur5", port=0, open_browser=False) as viewer:
+        ...     threading.Timer(0.1, viewer.stop).start()
+        ...     viewer.wait()
+        """
         # In short pieces: a signal is seen between them on every system.
         while not self._ended.wait(0.2):
             pass
 
     def stop(self) -> None:
-        """End the server; pages that show it stay as they are."""
+        """End the server; pages that show it stay as they are.
+
+        Examples
+        --------
+        >>> from agrik_fast.viewer import view
+        >>> viewer = view("ur5", port=0, open_browser=False)
+        >>> viewer.stop()
+        """
         if not self._ended.is_set():
             self._ended.set()
             self._tabs.stop()
@@ -184,7 +214,8 @@ def view(
     """
     arm, source = load(robot)
     word("show", show, LOOKS)
-    text("host", host)
+    if "\0" in text("host", host):
+        raise ArgumentError("host", shown(host), "an address of this machine")
     whole_number("port", port, 0, _LARGEST_PORT)
     surroundings = load_scene(scene)
     session = Session(arm, source, surroundings)

@@ -15,7 +15,7 @@ from ..errors import ArgumentError
 from ._camera import Camera
 from ._cone import Cone, best_cone
 from ._cv import opencv
-from ._images import Image, checked_image, same_size
+from ._images import Image, checked_image, of_kind, same_size
 from ._scenes import across
 
 __all__ = ["Detection", "DetectionStatus", "Detector", "red_mask"]
@@ -180,9 +180,7 @@ class Detector:
         least_fill: float = 0.5,
         least_score: float = 0.12,
     ) -> None:
-        if not isinstance(camera, Camera):
-            raise ArgumentError("camera", type(camera).__name__, "a vision.Camera")
-        self.camera = camera
+        self.camera = of_kind("camera", camera, Camera)
         if (radius is None) != (distance is None):
             raise ArgumentError("radius, distance", "one of them", "both or neither")
         self.narrowest, self.widest = 0.0, math.inf

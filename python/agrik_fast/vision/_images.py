@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any, TypeVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -54,3 +56,36 @@ def same_size(argument: str, image: Image, width: int, height: int) -> None:
             f"{width} x {height} pixels as the camera's calibration "
             "(`Camera.scaled` where the camera bins or scales its pictures)",
         )
+
+
+_KindT = TypeVar("_KindT")
+
+
+def of_kind(argument: str, value: object, kind: type[_KindT]) -> _KindT:
+    """Return `value` if it is an object of a class.
+
+    Raises
+    ------
+    ArgumentError
+        It is none.
+    """
+    if not isinstance(value, kind):
+        raise ArgumentError(argument, shown(value), f"a vision.{kind.__name__}")
+    return value
+
+
+def array_of(argument: str, value: object, kinds: str, expected: str) -> NDArray[Any]:
+    """Return `value` as an array of one of several kinds of numbers, NumPy's letters.
+
+    Raises
+    ------
+    ArgumentError
+        It is none.
+    """
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError):
+        raise ArgumentError(argument, "rows of unequal length", expected) from None
+    if array.dtype.kind not in kinds:
+        raise ArgumentError(argument, f"an array of {array.dtype}", expected)
+    return array

@@ -8,12 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from .._checks import items, real_number, text, whole_number
 from .._checks import path as checked_path
 from ._camera import Camera
 from ._cv import opencv
 from ._detect import Detection, DetectionStatus
 from ._errors import VisionFileError
-from ._images import Image, checked_image
+from ._images import Image, checked_image, of_kind
 from ._scenes import across
 
 __all__ = ["DETECTION_COLUMNS", "annotated", "detection_row", "write_image"]
@@ -59,8 +60,12 @@ def detection_row(
     radius : float, m, or None
         The fruits' radius; places are left empty without one.
     """
+    image, number = text("image", image), whole_number("number", number, 0)
+    if radius is not None:
+        radius = real_number("radius", radius, 0, open_low=True, unit="m")
     if found is None:
         return [image, "", "not_found", *[""] * (len(DETECTION_COLUMNS) - 3)]
+    of_kind("found", found, Detection)
     place = [""] * 3 if radius is None else [f"{value:.6f}" for value in found.centre(radius)]
     return [
         image,
@@ -91,8 +96,10 @@ def annotated(image: Image, camera: Camera, found: Sequence[Detection]) -> Image
     """
     cv2 = opencv()
     picture: Image = checked_image("image", image).copy()
+    of_kind("camera", camera, Camera)
     turn = np.linspace(0, 2 * math.pi, 120)
-    for number, each in enumerate(found):
+    for number, each in enumerate(items("found", found, "detections")):
+        of_kind(f"found[{number}]", each, Detection)
         colour = _COLOURS[each.status]
         first, second = across(each.axis)
         rim = math.cos(each.alpha) * each.axis + math.sin(each.alpha) * (

@@ -13,13 +13,14 @@ from ._camera import Camera
 from ._cv import opencv
 from ._detect import red_mask
 from ._errors import CalibrationRefusedError
-from ._images import Image
+from ._images import Image, of_kind
 
 __all__ = ["Plane", "red_squares"]
 
 _FEWEST = 9
 _AREA = 60
-_SQUARE = 0.85
+# Of a square its box is filled, also where perspective skews it; of a circle 0.785.
+_SQUARE = 0.81
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,7 @@ class Plane:
         CalibrationRefusedError
             Fewer than 9 points, or all on a line.
         """
+        of_kind("camera", camera, Camera)
         uv, xy = float_array("pixels", pixels), float_array("points", points)
         for name, value in (("pixels", uv), ("points", xy)):
             if value.ndim != 2 or value.shape[1] != 2 or not np.isfinite(value).all():

@@ -10,6 +10,7 @@ import numpy as np
 
 from .._checks import FloatArray, whole_number, word
 from ._camera import Camera
+from ._images import of_kind
 from ._scenes import (
     BACKGROUND,
     GREEN,
@@ -74,7 +75,7 @@ def random_scene(kind: str = "clean", seed: int = 0, camera: Camera | None = Non
     """
     word("kind", kind, KINDS)
     seed = whole_number("seed", seed, 0)
-    camera = paper_camera() if camera is None else camera
+    camera = paper_camera() if camera is None else of_kind("camera", camera, Camera)
     rng = np.random.default_rng([KINDS.index(kind), seed])
     look = _look(kind, rng)
     wall = Wall(

@@ -14,11 +14,14 @@ from numpy.typing import ArrayLike
 from .._checks import FloatArray, finite_array, real_number, truth_value
 from ..errors import ArgumentError
 from ._detect import Detection
+from ._images import of_kind
 
 __all__ = ["Budget", "StandOff", "budget", "range_sigma", "stand_off"]
 
 LEAST_GAP = 0.010
 APPROACH_GAP = 0.040
+# Squares of what is larger are no numbers any more.
+_LARGEST = 1e6
 # Of an outline's radius, as renders show it once its constant bias is taken out.
 _PIXEL_SIGMA = 0.15
 
@@ -53,8 +56,7 @@ def range_sigma(
     >>> sure < range_sigma(found, 0.03, radius_sigma=0.0015)
     True
     """
-    if not isinstance(detection, Detection):
-        raise ArgumentError("detection", type(detection).__name__, "a vision.Detection")
+    of_kind("detection", detection, Detection)
     far = detection.distance(radius)
     radius_sigma = real_number("radius_sigma", radius_sigma, 0, unit="m")
     pixel_sigma = real_number("pixel_sigma", pixel_sigma, 0, unit="pixels")
@@ -203,16 +205,16 @@ def budget(
     >>> budget(0.3).percent < 1.0 < budget(0.3, calibrated=False).percent
     True
     """
-    distance = real_number("distance", distance, 0, open_low=True, unit="m")
+    distance = real_number("distance", distance, 0, _LARGEST, open_low=True, unit="m")
     good = truth_value("calibrated", calibrated)
-    focal = real_number("focal", focal, 0, open_low=True, unit="pixels")
+    focal = real_number("focal", focal, 0, _LARGEST, open_low=True, unit="pixels")
 
     def given(name: str, value: float | None, better: float, worse: float, unit: str) -> float:
         chosen = (better if good else worse) if value is None else value
-        return real_number(name, chosen, 0, unit=unit)
+        return real_number(name, chosen, 0, _LARGEST, unit=unit)
 
     reach = math.hypot(*finite_array("levers", levers, (2,)).tolist())
-    dead = math.radians(real_number("dead_band_deg", dead_band_deg, 0, unit="degrees"))
+    dead = math.radians(real_number("dead_band_deg", dead_band_deg, 0, 360, unit="degrees"))
     zero = math.radians(given("servo_zero_deg", servo_zero_deg, 0.15, 0.5, "degrees"))
     terms = {
         "picture": given("picture_px", picture_px, 0.35, 2.24, "pixels") / focal * distance,

@@ -14,11 +14,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks import FloatArray, finite_array, whole_number
-from ..errors import ArgumentError
 from ._camera import Camera
 from ._cv import opencv
-from ._images import Image
-from ._scenes import Fruit, Leaf, Look, Scene, Wall, across, cone_rays, leaf_hits, paper_camera
+from ._images import Image, of_kind
+from ._scenes import (
+    Fruit,
+    Leaf,
+    Look,
+    Patch,
+    Scene,
+    Wall,
+    across,
+    cone_rays,
+    leaf_hits,
+    paper_camera,
+)
 
 __all__ = ["FruitTruth", "Rendering", "render"]
 
@@ -70,10 +80,10 @@ class Rendering:
     depth : ndarray, shape (height, width), m
         z in the camera's frame of what each pixel's centre sees; NaN for nothing.
     labels : ndarray, shape (height, width)
-        What that is: number of a fruit, then of leaves, counted on; the wall comes after the last
-        leaf, and nothing is -1.
+        What that is: number of a fruit, then of leaves and patches, counted on; the wall comes
+        after them, and nothing is -1.
     names : tuple of str
-        fruit0, ..., leaf0, ..., wall: a name for every label.
+        fruit0, ..., leaf0, ..., patch0, ..., wall: a name for every label.
     """
 
     image: Image
@@ -115,7 +125,8 @@ class _Canvas:
         else:
             far, colour = _background(scene.wall, scene.look, scene.seed, camera, pose.tobytes())
             self.far, self.colour = far.copy(), colour.copy()
-            self.label[np.isfinite(far)] = len(scene.fruits) + len(scene.leaves)
+            count = len(scene.fruits) + len(scene.leaves) + len(scene.patches)
+            self.label[np.isfinite(far)] = count
         self.texture = _Texture(scene.seed)
 
     def window(self, centre: FloatArray, radius: float) -> tuple[slice, slice] | None:
@@ -183,7 +194,7 @@ class _Canvas:
 
     def fruit(self, number: int, fruit: Fruit) -> None:
         centre = np.array(fruit.centre)
-        window = self.window(centre, fruit.radius)
+        window = self.window(centre, fruit.radius * max(fruit.flattening, 1.0))
         if window is None:
             return
         rays = self.rays[window] @ self.turn.T
@@ -221,6 +232,38 @@ class _Canvas:
         # A leaf is lit from either side.
         normals = np.where((rays @ normal > 0)[:, None], -normal, normal)
         self.put(window, hit, far, number, self.shade(albedo, normals, rays))
+
+    def patch(self, number: int, patch: Patch) -> None:
+        centre = np.array(patch.centre)
+        window = self.window(centre, math.hypot(patch.width, patch.height) / 2)
+        if window is None:
+            return
+        rays = self.rays[window] @ self.turn.T
+        normal, along = np.array(patch.normal), np.array(patch.along)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            far = ((centre - self.origin) @ normal) / (rays @ normal)
+            off = self.origin + far[..., None] * rays - centre
+            # Rows run along, and down as seen by whoever looks at the face.
+            x = off @ along / patch.width + 0.5
+            y = off @ np.cross(along, normal) / patch.height + 0.5
+            hit = (far > 1e-6) & (np.abs(x - 0.5) < 0.5) & (np.abs(y - 0.5) < 0.5)
+        albedo = np.broadcast_to(np.array(patch.colour, np.float32), (int(hit.sum()), 3))
+        if patch.picture is not None:
+            albedo = _sampled(patch.picture, x[hit], y[hit])
+        normals = np.where((rays[hit] @ normal > 0)[:, None], -normal, normal)
+        self.put(window, hit, far[hit], number, self.shade(albedo, normals, rays[hit]))
+
+
+def _sampled(picture: Image, x: FloatArray, y: FloatArray) -> NDArray[np.float32]:
+    """Return colours of a picture between its pixels; x and y are 0 to 1."""
+    height, width = picture.shape[:2]
+    u = np.clip(x * width - 0.5, 0, width - 1.001)
+    v = np.clip(y * height - 0.5, 0, height - 1.001)
+    left, top = u.astype(int), v.astype(int)
+    a, b = (u - left)[:, None], (v - top)[:, None]
+    upper = (1 - a) * picture[top, left] + a * picture[top, left + 1]
+    lower = (1 - a) * picture[top + 1, left] + a * picture[top + 1, left + 1]
+    return np.asarray((1 - b) * upper + b * lower, np.float32)
 
 
 @lru_cache(maxsize=3)
@@ -301,11 +344,8 @@ def render(
     >>> picture.image.shape
     (240, 320, 3)
     """
-    if not isinstance(scene, Scene):
-        raise ArgumentError("scene", type(scene).__name__, "a vision.Scene")
-    camera = paper_camera() if camera is None else camera
-    if not isinstance(camera, Camera):
-        raise ArgumentError("camera", type(camera).__name__, "a vision.Camera")
+    of_kind("scene", scene, Scene)
+    camera = paper_camera() if camera is None else of_kind("camera", camera, Camera)
     frame = whole_number("frame", frame, 0)
     place = np.eye(4) if pose is None else finite_array("pose", pose, (4, 4))
     canvas = _Canvas(scene, camera, place)
@@ -315,6 +355,9 @@ def render(
     for number, leaf in enumerate(scene.leaves, len(names)):
         canvas.leaf(number, leaf)
     names += [f"leaf{i}" for i in range(len(scene.leaves))]
+    for number, patch in enumerate(scene.patches, len(names)):
+        canvas.patch(number, patch)
+    names += [f"patch{i}" for i in range(len(scene.patches))]
     names.append("wall")
     depth, labels = _centres(canvas)
     return Rendering(
@@ -365,7 +408,7 @@ def _truth(fruit: Fruit, number: int, canvas: _Canvas) -> FruitTruth:
     far = float(np.linalg.norm(centre))
     visible = 0.0
     if centre[2] > 0 and far > fruit.radius:
-        rays = cone_rays(centre, fruit.radius, 2000)
+        rays = cone_rays(centre, fruit.radius * max(fruit.flattening, 1.0), 2000)
         _, hit = ellipsoid_hits(fruit, canvas.origin, rays @ canvas.turn.T)
         uv = canvas.camera.project(rays[hit])
         height, width = canvas.far.shape

@@ -8,11 +8,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks import FloatArray, direction, finite_array, real_number
+from .._checks import FloatArray, direction, finite_array, real_number, whole_number
 from ..errors import ArgumentError
 from ._camera import Camera
+from ._images import checked_image
 
-__all__ = ["Fruit", "Leaf", "Look", "Scene", "Wall", "paper_camera"]
+__all__ = ["Fruit", "Leaf", "Look", "Patch", "Scene", "Wall", "paper_camera"]
 
 RED = (38.0, 34.0, 205.0)
 GREEN = (60.0, 150.0, 95.0)
@@ -29,6 +30,17 @@ def _triple(name: str, value: object) -> _Triple:
     return x, y, z
 
 
+def _perpendicular(owner: str, normal: object, along: object) -> tuple[_Triple, _Triple]:
+    """Return unit vectors, the second made perpendicular to the first."""
+    face = np.array(direction(f"{owner}.normal", normal))
+    way = np.array(direction(f"{owner}.along", along))
+    side = np.cross(face, way)
+    if np.linalg.norm(side) < 1e-6:
+        raise ArgumentError(f"{owner}.along", str(along), f"no multiple of {owner}.normal")
+    way = np.cross(side / np.linalg.norm(side), face)
+    return _triple(f"{owner}.normal", face), _triple(f"{owner}.along", way)
+
+
 @dataclass(frozen=True)
 class Fruit:
     """A sphere, flattened along an axis.
@@ -40,7 +52,7 @@ class Fruit:
     radius : float, m
         Equatorial radius.
     flattening : float, default 1.0
-        Half axis along `axis` over the radius.
+        Half axis along `axis` over the radius; above 1 for a long fruit.
     axis : tuple of 3 floats, default (0, 1, 0)
         Unit vector.
     colour : tuple of 3 floats, default ripe red
@@ -63,7 +75,7 @@ class Fruit:
         object.__setattr__(self, "centre", _triple("Fruit.centre", self.centre))
         object.__setattr__(self, "axis", direction("Fruit.axis", self.axis))
         real_number("Fruit.radius", self.radius, 0, open_low=True, unit="m")
-        real_number("Fruit.flattening", self.flattening, 0.1, 1)
+        real_number("Fruit.flattening", self.flattening, 0.1, 20)
 
 
 @dataclass(frozen=True)
@@ -91,16 +103,48 @@ class Leaf:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "centre", _triple("Leaf.centre", self.centre))
-        normal = np.array(direction("Leaf.normal", self.normal))
-        along = np.array(direction("Leaf.along", self.along))
-        across = np.cross(normal, along)
-        if np.linalg.norm(across) < 1e-6:
-            raise ArgumentError("Leaf.along", str(self.along), "no multiple of Leaf.normal")
-        along = np.cross(across / np.linalg.norm(across), normal)
-        object.__setattr__(self, "normal", tuple(normal.tolist()))
-        object.__setattr__(self, "along", tuple(along.tolist()))
+        normal, along = _perpendicular("Leaf", self.normal, self.along)
+        object.__setattr__(self, "normal", normal)
+        object.__setattr__(self, "along", along)
         for name in ("length", "width"):
             real_number(f"Leaf.{name}", getattr(self, name), 0, open_low=True, unit="m")
+
+
+@dataclass(frozen=True)
+class Patch:
+    """A flat rectangle without texture, or with a picture on it: paper, squares, boards.
+
+    Parameters
+    ----------
+    centre : tuple of 3 floats, m
+        In the world's frame.
+    along, normal : tuple of 3 floats
+        Where the picture's rows run, and where its face points; made perpendicular.
+    width, height : float, m
+        Sizes along the rows and across.
+    colour : tuple of 3 floats
+        Blue, green, red, 0 to 255.
+    picture : ndarray, shape (h, w, 3), uint8, optional
+        Instead of the colour.
+    """
+
+    centre: _Triple
+    along: _Triple
+    normal: _Triple
+    width: float
+    height: float
+    colour: _Colour = (235.0, 235.0, 235.0)
+    picture: NDArray[np.uint8] | None = field(default=None, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "centre", _triple("Patch.centre", self.centre))
+        normal, along = _perpendicular("Patch", self.normal, self.along)
+        object.__setattr__(self, "normal", normal)
+        object.__setattr__(self, "along", along)
+        for name in ("width", "height"):
+            real_number(f"Patch.{name}", getattr(self, name), 0, open_low=True, unit="m")
+        if self.picture is not None:
+            checked_image("Patch.picture", self.picture)
 
 
 @dataclass(frozen=True)
@@ -174,6 +218,8 @@ class Scene:
     ----------
     fruits, leaves : tuple
         `Fruit` and `Leaf`.
+    patches : tuple
+        `Patch`.
     wall : Wall or None
         What is behind; None is black.
     look : Look
@@ -187,6 +233,7 @@ class Scene:
     wall: Wall | None = field(default_factory=Wall)
     look: Look = field(default_factory=Look)
     seed: int = 0
+    patches: tuple[Patch, ...] = ()
 
 
 def paper_camera(width: int = 320) -> Camera:
@@ -197,7 +244,7 @@ def paper_camera(width: int = 320) -> Camera:
     width : {320, 640}
         The two sizes of the tomato paper.
     """
-    if width not in (320, 640):
+    if whole_number("width", width, 320, 640) not in (320, 640):
         raise ArgumentError("width", repr(width), "320 or 640")
     focal = 160 / math.tan(math.radians(30))
     five = (-0.18, 0.06, 0.001, -0.0008, 0.0)

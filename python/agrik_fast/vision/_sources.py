@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
+from itertools import count
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeAlias
@@ -12,13 +13,13 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .._checks import finite_array, items, real_number, shown, whole_number
 from .._checks import path as checked_path
-from .._checks import real_number, shown, whole_number
 from ..errors import ArgumentError
 from ._camera import Camera
 from ._cv import opencv
 from ._errors import CameraError, VisionFileError
-from ._images import Image, checked_image
+from ._images import Image, checked_image, of_kind
 from ._render import render
 from ._scenes import Scene
 
@@ -70,11 +71,9 @@ def files(paths: Iterable[str | Path], rate: float = 30.0) -> Iterator[Frame]:
     VisionFileError
         A file is no picture.
     """
-    given: object = paths
-    if isinstance(given, str | Path) or not isinstance(given, Iterable):
-        raise ArgumentError("paths", shown(paths), "names of files")
+    given = items("paths", paths, "names of files")
     rate = real_number("rate", rate, 0, open_low=True, unit="1/s")
-    names = [checked_path("paths", each) for each in paths]
+    names = [checked_path("paths", each) for each in given]
     if not names:
         raise CameraError("files", "no pictures were given")
     return ((number / rate, read_image(name)) for number, name in enumerate(names))
@@ -139,19 +138,20 @@ def rendered(
     frames : int, optional
         How many; without end by default.
     """
+    of_kind("camera", camera, Camera)
+    if not callable(scene):
+        of_kind("scene", scene, Scene)
+    place = None if pose is None else finite_array("pose", pose, (4, 4))
     rate = real_number("rate", rate, 0, open_low=True, unit="1/s")
     if frames is not None:
         frames = whole_number("frames", frames, 0)
 
-    def pictures() -> Iterator[Frame]:
-        number = 0
-        while frames is None or number < frames:
-            when = number / rate
-            there = scene(when) if callable(scene) else scene
-            yield when, render(there, camera, pose=pose, frame=number).image
-            number += 1
+    def picture(number: int) -> Frame:
+        when = number / rate
+        there = scene(when) if callable(scene) else scene
+        return when, render(there, camera, pose=place, frame=number).image
 
-    return pictures()
+    return map(picture, count() if frames is None else range(frames))
 
 
 class Device:

@@ -2,8 +2,9 @@
 //!
 //! [`body`] puts solids on the frames of a chain and says, for many postures at once, what
 //! they hit and how far from it they are; [`harvest`] decides whether and how a fruit can be
-//! picked; [`time_law`] says when an arm is where on its way. Lengths are in metres, angles in radians, all in the
-//! frame in which the base of the chain stands.
+//! picked; [`edges`] proves ways between postures free, [`planners`] looks for them;
+//! [`time_law`] says when an arm is where on its way. Lengths are in metres, angles in radians,
+//! all in the frame in which the base of the chain stands.
 
 pub mod body;
 pub mod edges;

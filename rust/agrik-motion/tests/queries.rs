@@ -45,6 +45,38 @@ fn answers_do_not_depend_on_threads_or_company() {
 }
 
 #[test]
+fn bodies_may_be_shifted() {
+    let arm = collider("cucumber", "greenhouse1");
+    let (bodies, count) = (arm.bodies(), arm.bodies().len());
+    let rows = 200;
+    let q = random_postures(bodies.chain(), rows, 5);
+    let plain = arm.clearances(&q, f64::INFINITY, false, 1, &mut { GO }).unwrap();
+    let shifted = |by: [f64; 3], threads| {
+        let shifts = vec![by; rows * count];
+        arm.shifted_clearances(&q, &shifts, threads, &mut { GO }).unwrap()
+    };
+    for (found, wanted) in shifted([0.0; 3], 1).iter().zip(&plain) {
+        assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
+    }
+    // All bodies shifted alike are those of an arm that stands elsewhere.
+    let by = [0.02, -0.03, 0.01];
+    let moved = Collider::new(Arc::new(bodies.moved(by).unwrap()), arm.scene().clone(), &[], None);
+    let there = Collider::new(arm.bodies().clone(), arm.scene().clone(), &[], None).unwrap();
+    let wanted = moved.unwrap().clearances(&q, f64::INFINITY, false, 1, &mut { GO }).unwrap();
+    let shifts = vec![by; rows * count];
+    let found = there.shifted_clearances(&q, &shifts, 1, &mut { GO }).unwrap();
+    for (found, wanted) in found.iter().zip(&wanted) {
+        // The size of a depth depends on how two bodies lie in each other.
+        assert!((found.max(0.0) - wanted.max(0.0)).abs() < 1e-9, "{found} {wanted}");
+    }
+    assert_eq!(shifted(by, 1), shifted(by, 3));
+    let few = arm.shifted_clearances(&q, &shifts[1..], 1, &mut { GO });
+    assert!(few.unwrap_err().to_string().starts_with("shifts: expected"));
+    let wrong = vec![[f64::NAN; 3]; rows * count];
+    assert!(arm.shifted_clearances(&q, &wrong, 1, &mut { GO }).is_err());
+}
+
+#[test]
 fn forms_of_a_question_agree() {
     for (name, scene) in [("cucumber", "scene"), ("panda", "greenhouse5")] {
         let collider = collider(name, scene);

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import harvest
-from ...collision import Scene, draw_scene
+from ...collision import Scene
+from ...collision.drawing import draw_scene
 from ...harvest import Decision, Runs
 from ...harvest.drawing import draw_arm
 from ...harvest.scans import approach_scan, slide_table

@@ -75,7 +75,7 @@ def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -
     files += _figures.convergence(directory, runs, seconds)
     files += _figures.shares(directory, rows)
     files += _figures.sensitivity(directory, scene)
-    files.append(_notes(directory / "README.txt"))
+    files.append(_notes(directory / "report.md"))
     return files
 
 
@@ -99,6 +99,8 @@ def _notes(path: Path) -> Path:
     return write_text(
         path,
         [
+            "# What is assumed",
+            "",
             "Tables and figures of the cucumber paper, computed anew.",
             "Lengths and limits of table 1 are a sister arm's or assumed: the paper's are lost.",
             "Crops are made up; gripper and machine are assumed.",

@@ -111,12 +111,17 @@ def _summary(directory: Path, planar_q: FloatArray) -> Path:
     angles = ", ".join(f"{angle:.1f}" for angle in np.rad2deg(planar_q))
     published = ", ".join(map(str, PLANAR_DEG))
     lines = [
+        "# What is in the tables",
+        "",
         "table2_*.csv: Table II on goals drawn uniformly in the joint limits; one thread.",
         "success.csv: goals reached of 1,000; units.csv: what units the gains can be in.",
         "lost.csv: where goals are lost; near_singular.csv: starts beside singular postures;",
         "pose.csv: poses by what a radian counts as; stability.csv: the state space about its",
         "goals; robots.csv: gains for further robots.",
+        "",
+        "# Planar arm",
+        "",
         f"Planar arm at (5, 0): ({angles}) degrees; published ({published}) degrees,",
         f"which miss the goal by {planar_claim():.4f} link units.",
     ]
-    return write_text(directory / "README.txt", lines)
+    return write_text(directory / "report.md", lines)

@@ -8,7 +8,7 @@ from pathlib import Path
 from . import _figures, _tables
 from ._field_jobs import write_jobs
 from ._scalability import scalability, verdict, write_scalability
-from ._tables import write_table
+from ._tables import write_report, write_table
 
 REPEATS = 1000
 """Seeds of the long repetitive test, targets of the comparison, runs a row of the ablation."""
@@ -20,7 +20,7 @@ SCALED = 200
 def reproduce(
     directory: str | Path, repeats: int = REPEATS, report: Callable[[str], None] | None = None
 ) -> list[Path]:
-    """Write the tables (CSV, Markdown) and figures (PNG, SVG) of the paper.
+    """Write the tables (CSV), figures (PNG, SVG) and the report of the paper.
 
     Parameters
     ----------
@@ -57,13 +57,17 @@ def reproduce(
     files += _figures.histogram(folder, repeated)
     say(f"repetitive test (figure 4): {repeated.share:.1%} of {len(repeated.costs)} runs succeed")
 
-    files += write_table(folder, "ablation", _tables.ablation(repeats))
+    ablation = _tables.ablation(repeats)
+    files += write_table(folder, "ablation", ablation)
     say("ablation of the recipe")
-    files += write_table(folder, "comparison", _tables.comparison(repeats))
+    comparison = _tables.comparison(repeats)
+    files += write_table(folder, "comparison", comparison)
     say("differential evolution beside the step solver on random targets")
     scaled = scalability(min(repeats, SCALED))
     files += write_scalability(folder, scaled)
     say(f"scalability: {verdict(scaled)}")
     files += write_jobs(folder)
     say("a spray pass and cotton topping")
+    tables = (lengths, single.table, repeated.table, ablation, comparison)
+    files.append(write_report(folder, tables, [f"Scalability: {verdict(scaled)}"]))
     return files

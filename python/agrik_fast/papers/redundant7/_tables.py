@@ -294,17 +294,17 @@ def _lshade(paper: DifferentialEvolution) -> DifferentialEvolution:
 
 def write_table(folder: Path, name: str, content: Table) -> list[Path]:
     """Write a table; return its files."""
-    as_csv, as_text = folder / f"{name}.csv", folder / f"{name}.md"
-    write_csv(as_csv, content.columns, content.rows)
-    lines = [
-        f"**{content.title}**",
-        "",
-        _row(content.columns),
-        _row(("---",) * len(content.columns)),
-    ]
-    lines += [_row(row) for row in content.rows]
-    write_text(as_text, lines)
-    return [as_csv, as_text]
+    return [write_csv(folder / f"{name}.csv", content.columns, content.rows)]
+
+
+def write_report(folder: Path, tables: Sequence[Table], remarks: Sequence[str]) -> Path:
+    """Write all tables as Markdown, and remarks, into the paper's report."""
+    lines: list[str] = []
+    for content in tables:
+        lines += [f"# {content.title}", ""]
+        lines += [_row(content.columns), _row(("---",) * len(content.columns))]
+        lines += [*(_row(row) for row in content.rows), ""]
+    return write_text(folder / "report.md", [*lines, *remarks])
 
 
 def _row(cells: tuple[str, ...]) -> str:

@@ -11,12 +11,14 @@ from ._published import PUBLISHED, Published
 from ._reproduce import reproduce
 from ._tables import FITS, ErrorSizes, Row, monte_carlo, table1, targets
 from ._torques import TorqueRow, printed_torques, torque_rows
+from ._vision import Attempt, attempts, grid, latency
 
 __all__ = [
     "ALPHAS",
     "FITS",
     "MAPS",
     "PUBLISHED",
+    "Attempt",
     "ErrorSizes",
     "Map",
     "Published",
@@ -24,6 +26,9 @@ __all__ = [
     "Sweep",
     "Torque",
     "TorqueRow",
+    "attempts",
+    "grid",
+    "latency",
     "level_torque",
     "lost_targets",
     "monte_carlo",

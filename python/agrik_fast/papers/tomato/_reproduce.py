@@ -11,10 +11,11 @@ from ._lost import write_lost
 from ._published import PUBLISHED
 from ._tables import monte_carlo, write_figure8, write_table1
 from ._torques import write_torques
+from ._vision import write_vision
 
 
 def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -> list[Path]:
-    """Write table 1, figures 2 to 6 and 8, torques, and where the methods fail.
+    """Write table 1, figures 2 to 10, torques, latency, and where the methods fail.
 
     Parameters
     ----------
@@ -51,4 +52,6 @@ def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -
         files += draw(directory)
     files += _figures.figure8(directory, draws)
     files += _figures.arm(directory)
+    say("camera")
+    files += write_vision(directory)
     return files

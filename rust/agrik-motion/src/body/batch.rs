@@ -184,6 +184,43 @@ impl Collider {
         Ok(out)
     }
 
+    /// Distances of bodies from the scene, m, that are not quite where the joints put them: each
+    /// body of each row of `q` shifted by a vector of its own. What bodies touch near the target
+    /// goes by where the joints put the tool.
+    ///
+    /// # Errors
+    ///
+    /// As [`Collider::collides`]; not one vector of finite numbers a body of a row.
+    pub fn shifted_clearances(
+        &self,
+        q: &[f64],
+        shifts: &[Point],
+        threads: usize,
+        poll: Poll,
+    ) -> Result<Vec<f64>> {
+        let (dof, count) = (self.dof(), self.bodies().len());
+        check_postures(self.bodies().chain(), q)?;
+        let rows = q.len() / dof;
+        if shifts.len() != rows * count {
+            let expected = format!("{} vectors, one a body of a posture", rows * count);
+            return Err(Error::argument("shifts", expected, shifts.len()));
+        }
+        for x in shifts.iter().flatten() {
+            Allowed::FINITE.check("shifts", *x)?;
+        }
+        let mut out = vec![0.0; rows];
+        let work = |((q, shifts), out): ((&[f64], &[Point]), &mut [f64])| {
+            let mut placed = self.bodies().room();
+            for ((q, shifts), to) in q.chunks(dof).zip(shifts.chunks(count)).zip(out) {
+                self.bodies().place_unchecked(q, &mut placed);
+                *to = self.shifted_clearance(&placed, shifts);
+            }
+        };
+        let runs =
+            q.chunks(dof * RUN).zip(shifts.chunks(count * RUN)).zip(out.chunks_mut(RUN)).collect();
+        if share(runs, threads, &work, poll) { Ok(out) } else { Err(Error::Interrupted) }
+    }
+
     fn dof(&self) -> usize {
         self.bodies().chain().dof()
     }

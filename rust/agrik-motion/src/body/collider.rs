@@ -5,7 +5,8 @@ use std::sync::Arc;
 use agrik_compute::Allowed;
 use agrik_compute::lanes::{dot, sub};
 use agrik_solids::{
-    Core, Cover, Cuboid, Exemption, Nearest, Point, Scene, Solid, closest, distance_within, within,
+    Core, Cover, Cuboid, Exemption, Nearest, Point, Pose, Scene, Solid, closest, distance_within,
+    within,
 };
 
 use super::bodies::Bodies;
@@ -178,6 +179,21 @@ impl Collider {
             }
         });
         if own { self.own_clearance(placed, scene) } else { scene }
+    }
+
+    /// Distance of the bodies from the scene, each of them shifted by a vector, m.
+    pub(super) fn shifted_clearance(&self, placed: &Placed, shifts: &[Point]) -> f64 {
+        self.asked.iter().fold(f64::INFINITY, |least, &body| {
+            let exempt = self.exemption(placed, body);
+            let at = Pose { translation: shifts[body], ..Pose::IDENTITY };
+            let solid = placed.solids()[body].placed(&at);
+            match self.covered(body, &solid) {
+                None => self.scene.distance(&solid, exempt, least),
+                Some(spheres) => {
+                    spheres.nearest(&self.scene, exempt, least).map_or(least, |(d, _)| d)
+                }
+            }
+        })
     }
 
     /// By how much farther than is to be kept a body that lies as `solid` is from every object

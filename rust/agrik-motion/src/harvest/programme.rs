@@ -17,11 +17,10 @@ use agrik::solve::population::{
 use agrik_compute::Allowed;
 use agrik_compute::lanes::{dot, sub};
 use agrik_compute::threads::share;
-use agrik_solids::{Point, Pose};
 
 use super::aim::Target;
 use super::surroundings::{Minding, Surroundings};
-use crate::body::{Placed, check_postures};
+use crate::body::Placed;
 use crate::{Error, Result};
 
 /// What each term of the cost weighs.
@@ -127,9 +126,6 @@ const SEARCH: Settings = Settings {
     ..Settings::DIFFERENTIAL
 };
 
-/// Postures that a thread takes at a time.
-const RUN: usize = 64;
-
 /// A target for an arm with bodies in a crop, and what a posture costs.
 #[derive(Debug)]
 pub struct Programme<'a> {
@@ -200,58 +196,6 @@ impl<'a> Programme<'a> {
         let Weights { position: p, orientation: o, distance: d, .. } = self.weights;
         let cost = p * position + o * orientation + d * nearness;
         Terms { cost, position, orientation, nearness, distance }
-    }
-
-    /// Distance from the crop of postures whose bodies are not quite where the joints put them:
-    /// each body of each posture shifted by a vector of its own, m; 0 where bodies touch each
-    /// other or a static thing. On `threads` threads; `poll` is asked now and then.
-    ///
-    /// # Errors
-    ///
-    /// A number is not finite, the lengths do not fit together, or `poll` said no.
-    pub fn shifted_clearances(
-        &self,
-        q: &[f64],
-        shifts: &[Point],
-        threads: usize,
-        poll: &mut dyn FnMut() -> bool,
-    ) -> Result<Vec<f64>> {
-        let bodies = &self.around.bodies;
-        let (dof, count) = (bodies.chain().dof(), bodies.len());
-        let rows = q.len() / dof;
-        if shifts.len() != rows * count {
-            let expected = format!("{} vectors, one a body of a posture", rows * count);
-            return Err(Error::argument("shifts", expected, shifts.len()));
-        }
-        check_postures(bodies.chain(), q)?;
-        for x in shifts.iter().flatten() {
-            Allowed::FINITE.check("shifts", *x)?;
-        }
-        let mut out = vec![0.0; rows];
-        let work = |((q, shifts), out): ((&[f64], &[Point]), &mut [f64])| {
-            let mut placed = bodies.room();
-            let each = q.chunks(dof).zip(shifts.chunks(count));
-            for ((q, shifts), to) in each.zip(out) {
-                bodies.place_unchecked(q, &mut placed);
-                *to = self.shifted_clearance(&placed, shifts);
-            }
-        };
-        let runs =
-            q.chunks(dof * RUN).zip(shifts.chunks(count * RUN)).zip(out.chunks_mut(RUN)).collect();
-        if share(runs, threads, &work, poll) { Ok(out) } else { Err(Error::Interrupted) }
-    }
-
-    fn shifted_clearance(&self, placed: &Placed, shifts: &[Point]) -> f64 {
-        let bodies = &self.around.bodies;
-        if self.around.hits_itself(placed) {
-            return 0.0;
-        }
-        let moving = (0..bodies.len()).filter(|body| bodies.moved_by(*body) > 0);
-        moving.fold(f64::INFINITY, |least, body| {
-            let at = Pose { translation: shifts[body], ..Pose::IDENTITY };
-            let solid = placed.solids()[body].placed(&at);
-            self.around.distance(body, &solid, self.minding.of(body), least)
-        })
     }
 
     /// The best posture that a search finds from one seed.

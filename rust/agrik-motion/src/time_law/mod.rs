@@ -24,6 +24,8 @@ pub use profile::{Phase, Profile};
 pub struct Motion {
     path: Path,
     phases: Vec<Phase>,
+    /// The run of the path that each phase is on.
+    runs: Vec<usize>,
     /// When each phase begins, s, and when the last one ends.
     times: Vec<f64>,
 }
@@ -52,24 +54,28 @@ impl Motion {
         if most.is_nan() || most <= 0.0 {
             return Err(Error::argument("speed", "a number > 0", most));
         }
-        let mut phases = Vec::new();
-        let mut start = 0.0;
-        for run in path.runs() {
-            law::append_run(run, start, limits, most, &mut phases);
+        let (mut phases, mut runs, mut times) = (Vec::new(), Vec::new(), vec![0.0]);
+        let (mut start, mut time) = (0.0, 0.0);
+        for (number, run) in path.runs().enumerate() {
+            let mut made = Vec::new();
+            law::append_run(run, start, limits, most, &mut made);
             start = run.last().map_or(start, Piece::end);
-        }
-        let mut times = Vec::with_capacity(phases.len() + 1);
-        times.push(0.0);
-        let mut time = 0.0;
-        for phase in &phases {
-            time += phase.duration;
-            times.push(time);
+            for phase in made {
+                let end = time + phase.duration;
+                // A phase too short for the clock of a long motion is none.
+                if end > time {
+                    time = end;
+                    times.push(time);
+                    phases.push(phase);
+                    runs.push(number);
+                }
+            }
         }
         if !time.is_finite() {
             let expected = "limits and lengths of like sizes";
             return Err(Error::argument("limits", expected, "a motion that does not end"));
         }
-        Ok(Self { path, phases, times })
+        Ok(Self { path, phases, runs, times })
     }
 
     /// Duration, s.
@@ -102,8 +108,13 @@ impl Motion {
         if time >= self.duration() {
             return rest(self.path.length());
         }
-        let phase = self.times.partition_point(|begin| *begin <= time) - 1;
+        let phase = self.phase(time);
         self.phases[phase].state(time - self.times[phase])
+    }
+
+    /// The phase at a time between begin and end; of no phases 0.
+    fn phase(&self, time: f64) -> usize {
+        self.times.partition_point(|begin| *begin <= time).saturating_sub(1)
     }
 
     /// Joint values, velocities, accelerations and jerks at a time, one joint after the other.
@@ -114,7 +125,8 @@ impl Motion {
             return;
         }
         let [place, v, a, j] = self.place(time);
-        self.path.at(place, |joint, [q, first, second, third]| {
+        let run = self.runs.get(self.phase(time)).copied().unwrap_or(0);
+        self.path.at(run, place, |joint, [q, first, second, third]| {
             let velocity = first * v;
             let acceleration = second * v * v + first * a;
             let jerk = third * v * v * v + 3.0 * second * v * a + first * j;

@@ -229,8 +229,12 @@ impl Path {
 
     /// The pieces of each run from rest to rest.
     pub fn runs(&self) -> impl Iterator<Item = &[Piece]> {
-        let ends = self.rests.iter().skip(1).copied().chain([self.pieces.len()]);
-        self.rests.iter().zip(ends).map(|(&from, to)| &self.pieces[from..to])
+        (0..self.rests.len()).map(|run| self.run(run))
+    }
+
+    fn run(&self, run: usize) -> &[Piece] {
+        let to = self.rests.get(run + 1).copied().unwrap_or(self.pieces.len());
+        self.rests.get(run).map_or(&[], |&from| &self.pieces[from..to])
     }
 
     /// How far a rounded corner leaves its waypoint at most, in any joint value, rad or m.
@@ -239,9 +243,11 @@ impl Path {
     }
 
     /// Joint values and their first three derivatives by the place, one joint after the other.
-    pub fn at(&self, place: f64, mut put: impl FnMut(usize, [f64; 4])) {
-        let after = self.pieces.partition_point(|piece| piece.end() < place);
-        match self.pieces.get(after).or(self.pieces.last()) {
+    /// Where the arm rests the place alone does not tell which run it is on.
+    pub fn at(&self, run: usize, place: f64, mut put: impl FnMut(usize, [f64; 4])) {
+        let pieces = self.run(run);
+        let after = pieces.partition_point(|piece| piece.end() < place);
+        match pieces.get(after).or(pieces.last()) {
             Some(piece) => {
                 let place = place.clamp(piece.start, piece.end());
                 (0..self.dof).for_each(|joint| put(joint, piece.values(joint, place)));

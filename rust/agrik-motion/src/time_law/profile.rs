@@ -3,6 +3,9 @@
 
 use super::caps::Caps;
 
+/// Phases shorter than this share of their stretch are what rounding left.
+const ROUNDING: f64 = 1e-13;
+
 /// A phase of constant jerk, from the state that it begins in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Phase {
@@ -59,7 +62,7 @@ impl Ramp {
         let mut at = [start, self.from, if self.outer > 0.0 { 0.0 } else { top }, 0.0];
         let flat = self.time - 2.0 * self.outer;
         for (duration, jerk) in [(self.outer, jerk), (flat, 0.0), (self.outer, -jerk)] {
-            if duration > 0.0 {
+            if duration > ROUNDING * self.time {
                 at[3] = jerk;
                 let phase = Phase { duration, at };
                 at = phase.state(duration);
@@ -118,7 +121,7 @@ impl Profile {
     pub fn phases(&self, start: f64, out: &mut Vec<Phase>) {
         self.up.phases(start, out);
         let behind = start + self.up.way();
-        if self.even > 0.0 {
+        if self.even > ROUNDING * self.time() {
             out.push(Phase { duration: self.even, at: [behind, self.up.to, 0.0, 0.0] });
         }
         self.down.phases(behind + self.even * self.up.to, out);
@@ -139,7 +142,8 @@ fn rest_to_rest_peak(length: f64, limits: &Caps) -> f64 {
     }
 }
 
-/// The highest speed at which `excess` is not above 0; it grows with the speed.
+/// The highest speed at which `excess` is not above 0; it grows with the speed. False position,
+/// the end that stays being halved (Illinois).
 fn highest(lowest: f64, length: f64, limits: &Caps, excess: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (lowest, limits.velocity);
     if !high.is_finite() {
@@ -148,15 +152,28 @@ fn highest(lowest: f64, length: f64, limits: &Caps, excess: impl Fn(f64) -> f64)
             high *= 2.0;
         }
     }
+    let (mut below, mut above) = (excess(low).min(0.0), excess(high));
+    let mut stays = 0;
     for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
+        let mut next = (low * above - high * below) / (above - below);
+        if !(low < next && next < high) {
+            next = 0.5 * (low + high);
+        }
+        if high - low <= f64::EPSILON * high || next <= low || next >= high {
             break;
         }
-        if excess(middle) <= 0.0 {
-            low = middle;
+        let found = excess(next);
+        if found <= 0.0 {
+            (low, below) = (next, found);
+            above *= if stays > 0 { 0.5 } else { 1.0 };
+            stays = 1;
         } else {
-            high = middle;
+            (high, above) = (next, found);
+            below *= if stays < 0 { 0.5 } else { 1.0 };
+            stays = -1;
+        }
+        if below.abs() <= f64::EPSILON * length {
+            break;
         }
     }
     low

@@ -5,13 +5,15 @@ use std::sync::Arc;
 use agrik_motion::body::Reason;
 use agrik_motion::{Body, Shape};
 use agrik_solids::{Core, Cuboid, Hull, Segment, Solid, Split};
+use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
 use super::rows::of_row;
 use super::scene::points;
-use crate::convert::{Floats, real, wrong_shape};
+use crate::convert::{Floats, array, real, wrong_shape};
 use crate::errors;
 use crate::robot::chain::Chain;
+use crate::robot::kinematics::JointValues;
 
 /// Solids on the frames of an arm, and which pairs of them may hit each other.
 #[pyclass(frozen, module = "agrik_fast._native")]
@@ -99,6 +101,31 @@ impl Bodies {
             |reason| if let Reason::Structural(share) = reason { Some(share) } else { None };
         let each = self.0.excluded_pairs().iter();
         each.map(|e| (e.pair.0, e.pair.1, e.reason.name(), share(e.reason))).collect()
+    }
+
+    /// Return levers, shape (..., dof, bodies), m/rad or no unit: a joint that changes by no
+    /// more than `margin`, shape (dof,), from the joint values, shape (..., dof), moves a core
+    /// point of a body by no more than its lever times its change.
+    fn levers<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+        margin: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let dof = self.0.chain().dof();
+        let (py, q) = (q.py(), JointValues::new(q, dof)?);
+        let margin = Floats::of_shape("margin", margin, &[dof])?;
+        let (values, margin) = (q.values()?, margin.values()?);
+        let rows = py.detach(|| {
+            let mut placed = self.0.room();
+            let mut rows = Vec::with_capacity(values.len() * self.0.len());
+            for q in values.chunks_exact(dof) {
+                self.0.place(q, &mut placed)?;
+                rows.extend(self.0.local_levers(&placed, margin));
+            }
+            Ok(rows)
+        });
+        let rows = rows.map_err(|error| errors::from_core(py, error))?;
+        array(py, &q.shape_with(&[dof, self.0.len()]), rows)
     }
 
     /// Return the number of bodies.

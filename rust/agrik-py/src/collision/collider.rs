@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use super::bodies::{Bodies, touch};
 use super::distances::Distances;
 use super::scene::Scene;
-use crate::convert::{array, real};
+use crate::convert::{Floats, array, real};
 use crate::ik::signals::Signals;
 use crate::robot::kinematics::JointValues;
 use crate::{errors, threads};
@@ -110,6 +110,24 @@ impl Collider {
         let threads = threads::number(threads, "threads")?;
         let values = q.values()?;
         let found = Self::ask(py, |poll| self.core.clearances(values, cap, own, threads, poll))?;
+        array(py, &q.shape_with(&[]), found)
+    }
+
+    /// Distance from the scene at joint values, shape (n, dof), with the bodies of each shifted
+    /// by vectors, shape (n, bodies, 3); m.
+    #[pyo3(signature = (q, shifts, threads=None))]
+    fn shifted_clearance<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+        shifts: &Bound<'py, PyAny>,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> Array<'py, f64> {
+        let (py, q) = (q.py(), self.joint_values(q)?);
+        let shifts = Floats::new("shifts", shifts)?;
+        let threads = threads::number(threads, "threads")?;
+        let (values, vectors) = (q.values()?, shifts.values()?.as_chunks().0);
+        let found =
+            Self::ask(py, |poll| self.core.shifted_clearances(values, vectors, threads, poll))?;
         array(py, &q.shape_with(&[]), found)
     }
 

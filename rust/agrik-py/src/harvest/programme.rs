@@ -11,7 +11,7 @@ use pyo3::types::PyDict;
 use super::station::{mode, put, roles};
 use crate::collision::bodies::Bodies;
 use crate::collision::scene::Scene;
-use crate::convert::{Floats, array, real, whole};
+use crate::convert::{array, real, whole};
 use crate::ik::signals::Signals;
 use crate::robot::kinematics::JointValues;
 use crate::{errors, threads};
@@ -75,30 +75,6 @@ impl HarvestProgramme {
         let all: Vec<Terms> =
             each.collect::<Result<_, _>>().map_err(|error| errors::from_core(py, error))?;
         columns(py, &q.shape_with(&[]), &all)
-    }
-
-    /// Distance from the crop at joint values, shape (n, dof), with the bodies of each shifted,
-    /// shape (n, bodies, 3), m.
-    #[pyo3(signature = (q, shifts, threads=None))]
-    fn clearances<'py>(
-        &self,
-        q: &Bound<'py, PyAny>,
-        shifts: &Bound<'py, PyAny>,
-        threads: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let py = q.py();
-        let q = JointValues::new(q, self.around.chain().dof())?;
-        let shifts = Floats::new("shifts", shifts)?;
-        let threads = threads::number(threads, "threads")?;
-        let programme = self.core(py)?;
-        let (values, vectors) = (q.values()?, shifts.values()?.as_chunks().0);
-        let mut signals = Signals::new();
-        let found = py.detach(|| {
-            let mut go = || signals.go_on_detached();
-            programme.shifted_clearances(values, vectors, threads, &mut go)
-        });
-        let found = found.map_err(|error| signals.exception(py, error))?;
-        array(py, &q.shape_with(&[]), found)
     }
 
     /// Search from seeds by "ga" or "de", with options by name.

@@ -192,7 +192,7 @@ impl Chain {
         let limits = limits.iter().map(|(name, &(velocity, acceleration, jerk))| {
             (name.as_str(), MotionLimits { velocity, acceleration, jerk })
         });
-        Self::wrap(py, self.0.with_motion_limits(limits))
+        self.changed(py, self.0.with_motion_limits(limits))
     }
 
     /// Names of the frames of `fk_links`, the tool last.

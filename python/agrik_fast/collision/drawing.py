@@ -1,4 +1,4 @@
-"""Scenes drawn in space (extra ``plots``)."""
+"""Scenes, drawn into axes in space; they need Matplotlib."""
 
 from __future__ import annotations
 
@@ -12,13 +12,24 @@ from numpy.typing import ArrayLike
 from .._bodies import HalfSpace, surface
 from .._checks import FloatArray, items, shown, text
 from ..errors import ArgumentError
-from ..plots import FIELD, PALETTE, add_triangles, bounds, frame_space, space, styled
+from ..plots import (
+    FIELD,
+    PALETTE,
+    add_triangles,
+    bounds,
+    checked_view,
+    frame_space,
+    space_or,
+    styled,
+)
 from ..robot import Robot
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ._objects import SceneObject
+
+__all__ = ["draw_scene"]
 
 OTHER = PALETTE[5]
 MOST_POINTS = 4000
@@ -69,7 +80,8 @@ def plot(
         raise ArgumentError("arm", shown(arm), "a Robot")
     if arm is None and q is not None:
         raise ArgumentError("q", shown(q), "an arm with it")
-    drawing, drawn = space(6.5, 5.4) if axes is None else (axes.figure, axes)
+    angles = checked_view(view)
+    drawing, drawn = space_or(axes, 6.5, 5.4)
     draw_scene(drawn, scene.objects, kinds)
     points = [np.array(target.point)[None] for target in scene.targets.values()]
     if points:
@@ -85,7 +97,7 @@ def plot(
     if axes is None:
         full = [each for each in points if each.size] or [np.zeros((1, 3))]
         low, high = bounds(full)
-        frame_space(drawn, low.tolist(), high.tolist(), view)
+        frame_space(drawn, low.tolist(), high.tolist(), angles)
     return drawing
 
 

@@ -1,0 +1,180 @@
+"""Where a camera is: on the arm by Park's method, beside it by points that the tip touches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._checks import FloatArray, float_array
+from ..errors import ArgumentError
+from ._errors import CalibrationRefusedError
+
+__all__ = ["CameraPose", "eye_to_hand", "hand_eye"]
+
+_FEWEST_POINTS = 6
+_PARALLEL = 0.1
+
+
+@dataclass(frozen=True)
+class CameraPose:
+    """Where a camera is, and how well the measurements agree on it.
+
+    Attributes
+    ----------
+    pose : ndarray, shape (4, 4)
+        Of the camera, in the gripper's frame (`hand_eye`) or the arm's (`eye_to_hand`).
+    rotation_residual : float, rad
+        Root mean square over pairs of poses; 0 for touched points.
+    translation_residual : float, m
+        The same, or root mean square of the points' distances.
+    worst : float, m
+        The largest of them.
+    """
+
+    pose: FloatArray
+    rotation_residual: float
+    translation_residual: float
+    worst: float
+
+
+def _poses(name: str, value: ArrayLike) -> FloatArray:
+    poses = float_array(name, value)
+    if poses.ndim != 3 or poses.shape[1:] != (4, 4) or not np.isfinite(poses).all():
+        raise ArgumentError(name, f"shape {poses.shape}", "finite poses, shape (n, 4, 4)")
+    turns = poses[:, :3, :3]
+    off = np.abs(turns @ turns.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2), initial=0.0)
+    if (off > 1e-3).any() or (np.linalg.det(turns) < 0).any():
+        worst = int(off.argmax()) if len(off) else 0
+        raise ArgumentError(f"{name}[{worst}]", "a matrix that is no pose", "a rigid pose")
+    return poses
+
+
+def _log(turn: FloatArray) -> FloatArray:
+    """Return the rotation vector of a rotation matrix."""
+    # By the quaternion, which is sure for half turns as well.
+    k = np.array(
+        [
+            [turn[0, 0] - turn[1, 1] - turn[2, 2], 0, 0, 0],
+            [turn[0, 1] + turn[1, 0], turn[1, 1] - turn[0, 0] - turn[2, 2], 0, 0],
+            [turn[0, 2] + turn[2, 0], turn[1, 2] + turn[2, 1], 0, 0],
+            [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1], 0],
+        ]
+    )
+    k[2, 2] = turn[2, 2] - turn[0, 0] - turn[1, 1]
+    k[3, 3] = np.trace(turn)
+    x, y, z, w = np.linalg.eigh(k)[1][:, -1]
+    axis = np.array([x, y, z]) * (1.0 if w >= 0 else -1.0)
+    size = float(np.linalg.norm(axis))
+    if size < 1e-15:
+        return 2 * axis
+    return np.asarray(2 * np.arctan2(size, abs(w)) * axis / size)
+
+
+def _turn_between(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Return the rotation that turns rows of `first` into those of `second` best."""
+    u, _, v = np.linalg.svd(second.T @ first)
+    sign = np.sign(np.linalg.det(u @ v))
+    return np.asarray(u @ np.diag([1.0, 1.0, sign]) @ v)
+
+
+def hand_eye(gripper: ArrayLike, board: ArrayLike) -> CameraPose:
+    """Return the pose of a camera that the gripper carries (Park and Martin's method).
+
+    A X = X B for all pairs of poses: A how the gripper moved, B how the board did in the camera's
+    frame. The rotation is that between the rotation vectors, then the place by least squares.
+
+    Parameters
+    ----------
+    gripper : array_like, shape (n, 4, 4), m
+        Poses of the gripper in the arm's base, n >= 3; 15 with turns by up to 45 degrees about all
+        axes are advised.
+    board : array_like, shape (n, 4, 4), m
+        Poses of a board that stands still, in the camera's frame, see `board_pose`.
+
+    Raises
+    ------
+    ArgumentError
+        A matrix is no pose, or their numbers differ.
+    CalibrationRefusedError
+        Fewer than 3 poses, or all rotations are about parallel axes: then nothing tells where the
+        camera is along them. The tomato arm's shoulder and elbow are so: use `eye_to_hand`.
+    """
+    g, c = _poses("gripper", gripper), _poses("board", board)
+    if len(g) != len(c):
+        raise ArgumentError("board", f"{len(c)} poses", f"as many as gripper, {len(g)}")
+    if len(g) < 3:
+        raise CalibrationRefusedError(f"{len(g)} poses were given, 3 or more are needed")
+    moves = []
+    for i, j in combinations(range(len(g)), 2):
+        a = np.linalg.inv(g[j]) @ g[i]
+        b = c[j] @ np.linalg.inv(c[i])
+        moves.append((a, b, _log(a[:3, :3]), _log(b[:3, :3])))
+    alphas = np.array([move[2] for move in moves])
+    sizes = np.linalg.norm(alphas, axis=1)
+    axes = alphas[sizes > 1e-6] / sizes[sizes > 1e-6][:, None]
+    spread = np.linalg.svd(axes, compute_uv=False) / np.sqrt(max(len(axes), 1))
+    if len(axes) < 2 or spread[1] < _PARALLEL:
+        raise CalibrationRefusedError(
+            "all rotations of the gripper are about parallel axes, so the camera's place along "
+            "them cannot be told: turn it about two axes or more, or use eye_to_hand"
+        )
+    betas = np.array([move[3] for move in moves])
+    turn = _turn_between(betas, alphas)
+    rows = np.concatenate([a[:3, :3] - np.eye(3) for a, _, _, _ in moves])
+    right = np.concatenate([turn @ b[:3, 3] - a[:3, 3] for a, b, _, _ in moves])
+    place = np.linalg.lstsq(rows, right, rcond=None)[0]
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = turn, place
+    off = np.linalg.norm(alphas - betas @ turn.T, axis=1)
+    shifts = np.linalg.norm((rows @ place - right).reshape(-1, 3), axis=1)
+    return CameraPose(
+        pose,
+        float(np.sqrt(np.mean(off**2))),
+        float(np.sqrt(np.mean(shifts**2))),
+        float(shifts.max()),
+    )
+
+
+def eye_to_hand(camera: ArrayLike, base: ArrayLike) -> CameraPose:
+    """Return the pose of a camera that stands beside the arm, by points that the tip touched.
+
+    The default for the tomato arm, whose three joints do not turn about enough axes for
+    `hand_eye`. The best rigid fit (Kabsch).
+
+    Parameters
+    ----------
+    camera : array_like, shape (n, 3), m
+        Where the points are in the camera's frame, n >= 6.
+    base : array_like, shape (n, 3), m
+        Where the tip was, in the arm's.
+
+    Raises
+    ------
+    ArgumentError
+        Shapes differ or are others.
+    CalibrationRefusedError
+        Fewer than 6 points, or all on a line.
+    """
+    seen, touched = float_array("camera", camera), float_array("base", base)
+    for name, value in (("camera", seen), ("base", touched)):
+        if value.ndim != 2 or value.shape[1] != 3 or not np.isfinite(value).all():
+            raise ArgumentError(name, f"shape {value.shape}", "finite points, shape (n, 3)")
+    if len(seen) != len(touched):
+        raise ArgumentError("base", f"{len(touched)} points", f"as many as camera, {len(seen)}")
+    if len(seen) < _FEWEST_POINTS:
+        raise CalibrationRefusedError(
+            f"{len(seen)} touched points were given, {_FEWEST_POINTS} or more are needed"
+        )
+    middle, goal = seen.mean(axis=0), touched.mean(axis=0)
+    for value in (seen - middle, touched - goal):
+        sizes = np.linalg.svd(value, compute_uv=False)
+        if sizes[1] < 1e-3 * max(sizes[0], 1e-12):
+            raise CalibrationRefusedError("the touched points are all on one line")
+    turn = _turn_between(seen - middle, touched - goal)
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = turn, goal - turn @ middle
+    off = np.linalg.norm(seen @ turn.T + pose[:3, 3] - touched, axis=1)
+    return CameraPose(pose, 0.0, float(np.sqrt(np.mean(off**2))), float(off.max()))
