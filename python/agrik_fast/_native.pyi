@@ -774,6 +774,12 @@ class IkResult:
             `arm` is no Robot, or has another number of joints.
         MissingExtraError
             Matplotlib is not installed.
+
+        Examples
+        --------
+        >>> picture = ik.Robot.load("tomato").ik([[0.2, 0.1, 0.1]]).plot()
+        >>> len(picture.axes) > 0
+        True
         """
 
     def __bool__(self) -> bool:
