@@ -185,7 +185,12 @@ def _held(fruit: SceneObject, pose: FloatArray) -> list[Body]:
     shapes: list[BodyShape] = [Sphere(inner(row[:3]), row[3]) for row in fruit.spheres]
     shapes += [Capsule(inner(row[:3]), inner(row[3:6]), row[6]) for row in fruit.capsules]
     shapes += [
-        Box(inner(row[:3]), tuple(row[3:6].tolist()), rotation=turn.T @ row[6:15].reshape(3, 3), radius=row[15])
+        Box(
+            inner(row[:3]),
+            tuple(row[3:6].tolist()),
+            rotation=turn.T @ row[6:15].reshape(3, 3),
+            radius=row[15],
+        )
         for row in fruit.boxes
     ]
     shapes += [Convex(tuple(inner(p) for p in points), radius) for points, radius in fruit.hulls]
