@@ -18,7 +18,8 @@ import numpy as np
 
 from ..._checks import FloatArray
 from ...arms import HOME, TomatoArm, TransposeStepWarning
-from .._output import GREY, PAGE_WIDTH, PALETTE, figure, save, styled, write_csv
+from ...plots import GREY, PAGE_WIDTH, PALETTE, figure, styled
+from .._output import save, write_csv
 from ._published import PUBLISHED
 from ._tables import FITS, TOLERANCE, ErrorSizes
 
