@@ -123,6 +123,7 @@ def figure(width: float, height: float) -> Figure:
 
     Examples
     --------
+    >>> from agrik_fast.plots import PAGE_WIDTH, figure
     >>> figure(PAGE_WIDTH, 3.0).get_size_inches().tolist()
     [6.5, 3.0]
     """
@@ -141,6 +142,7 @@ def label(what: str, unit: str = "") -> str:
 
     Examples
     --------
+    >>> from agrik_fast.plots import label
     >>> label("position error", "m"), label("iterations")
     ('position error [m]', 'iterations')
     """
