@@ -252,11 +252,17 @@ def test_false_branches_are_found(robust: Any) -> None:
         q=np.array(answer.q), valid=np.array(answer.valid), status=np.array(answer.status)
     )
     assert robust.judge.branches(request, result) == []
+    # Branches in which a joint turns freely are branches.
+    result.status[6] = Status.SINGULAR_FAMILY
+    assert robust.judge.branches(request, result) == []
+    result.valid[6] = False
     branch = int(np.flatnonzero(result.valid[4])[0])
     result.q[4, branch, 1] += 1e-4
     result.status[5] = Status.OUT_OF_REACH
-    kinds = {fault.kind for fault in robust.judge.branches(request, result)}
+    faults = robust.judge.branches(request, result)
+    kinds = {fault.kind for fault in faults}
     assert kinds >= {"false success", "false proof", "success and status differ"}
+    assert {f.row for f in faults if f.kind == "success and status differ"} == {5, 6}
 
 
 def test_one_bit_is_seen(robust: Any) -> None:

@@ -7,9 +7,7 @@ up to a limit, and nothing in them makes the parsers take the square of their le
 from __future__ import annotations
 
 import contextlib
-import json
 import re
-import tomllib
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -115,6 +113,8 @@ def decode(data: bytes, refuse: Refusal) -> str:
 
 def parse_toml(text: str, refuse: Refusal) -> dict[str, Any]:
     """Return a TOML text's tables; `refuse` hears of the line that cannot be read."""
+    import tomllib
+
     for number, line in enumerate(text.splitlines(), start=1):
         bare = _QUOTED.sub("", line).partition("#")[0]
         if any(piece.count(".") >= KEY_PARTS for piece in re.split("[=,]", bare)):
@@ -131,6 +131,8 @@ def parse_toml(text: str, refuse: Refusal) -> dict[str, Any]:
 
 def parse_json(text: str, refuse: Refusal) -> Any:
     """Return a JSON text's value; `refuse` hears of the line that cannot be read."""
+    import json
+
     try:
         return json.loads(text)
     except json.JSONDecodeError as error:

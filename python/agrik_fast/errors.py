@@ -8,7 +8,6 @@ the same classes. An unreachable target is never an exception: it is a
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
@@ -379,6 +378,8 @@ def nearest_names(name: str, known: Iterable[str]) -> tuple[str, ...]:
     tuple of str
         The nearest candidates, ignoring case; empty if none is near.
     """
+    import difflib
+
     by_lower = {candidate.lower(): candidate for candidate in known}
     matches = difflib.get_close_matches(name.lower(), list(by_lower), n=3, cutoff=0.6)
     return tuple(by_lower[match] for match in matches)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import agrik_fast as ik
-from agrik_fast import ArgumentError, Robot, Status, UnknownNameError
+from agrik_fast import ArgumentError, Robot, Status, UnknownNameError, rotations, solvers
 from agrik_fast.result import Singularity, Warnings
 from branch_arms import Array, apart, holds, matched, of_reference, reference, robot
 
@@ -376,6 +376,89 @@ def test_bits_do_not_depend_on_the_batch(name: str) -> None:
         assert (np.concatenate(parts) == getattr(whole, what)).all()
     for i in range(20):
         assert (arm.ik_all(poses[i]).q == whole.q[i]).all()
+
+
+def almost_meeting(end: str) -> Robot:
+    """Return an arm whose axes meet to ten digits only, as rounded frames have them."""
+    axes, points, tool = (np.array(SIX["puma560"][key]) for key in ("axes", "points", "tool"))
+    points = points + 1e-10 * np.random.default_rng(14).normal(size=points.shape)
+    if end == "shoulder":
+        # The same arm from its tool to its base.
+        back = np.linalg.inv(tool)
+        axes = -axes[::-1] @ back[:3, :3].T
+        points = points[::-1] @ back[:3, :3].T + back[:3, 3]
+        tool = back
+    return robot(axes, points, tool)
+
+
+@pytest.mark.parametrize("name", ["ur5", "z1", "wrist", "shoulder", "crx10ia"])
+def test_bits_do_not_depend_on_the_batch_at_straight_postures(name: str) -> None:
+    """Where branches meet some need steps: those of one target, whatever its neighbours need."""
+    arm = of_reference(SIX[name]) if name in SIX else almost_meeting(name)
+    rng = np.random.default_rng(15)
+    q = rng.choice([0.0, np.pi / 2, -np.pi / 2, np.pi, 0.3, 1.1], (120, 6))
+    q += rng.choice([0.0, 1e-9, 1e-7, 1e-6], (120, 6)) * rng.normal(size=(120, 6))
+    poses = arm.fk(q)
+    whole = arm.ik_all(poses)
+    best = arm.ik(poses, solver="auto")
+    for cuts in ([7, 40, 41, 96], list(range(1, 120))):
+        parts = [arm.ik_all(part) for part in np.split(poses, cuts)]
+        for what in ("q", "reached", "valid", "status", "warnings"):
+            pieces = np.concatenate([getattr(part, what) for part in parts])
+            assert pieces.tobytes() == getattr(whole, what).tobytes(), what
+    for row in range(120):
+        alone = arm.ik(poses[row], solver="auto", first_index=row)
+        assert alone.q.tobytes() == best.q[row].tobytes()
+
+
+def test_what_the_tolerances_allow_is_never_proven_away() -> None:
+    """No branch of the pose itself is no proof where the orientation counts for little."""
+    rng = np.random.default_rng(16)
+    loose = 0
+    for name in ("ur5", "z1", "thor", "jaco_j2n6", "crx10ia"):
+        arm = of_reference(SIX[name])
+        q = rng.uniform(-np.pi, np.pi, (200, 6))
+        poses = arm.fk(q)
+        # The same point, another way round: most of these have no branch of their own.
+        poses[:, :3, :3] = arm.fk(rng.uniform(-np.pi, np.pi, (200, 6)))[:, :3, :3]
+        strict = arm.ik_all(poses)
+        found = arm.ik_all(poses, orientation_tolerance=4.0)
+        loose += int((strict.status == Status.OUT_OF_REACH).sum())
+        assert (found.status != Status.OUT_OF_REACH).all()
+        # What is proven of the pose itself, no search comes near.
+        proven = poses[strict.status == Status.OUT_OF_REACH]
+        if len(proven):
+            tried = arm.ik(proven, solver=solvers.LevenbergMarquardt(max_restarts=20))
+            assert not tried.success.any()
+    assert loose > 20
+
+
+@pytest.mark.parametrize("size", [1e-7, 1e-4, 1e-2])
+@pytest.mark.parametrize("name", ["ur5", "z1", "wrist", "shoulder"])
+def test_poses_beside_reached_ones_are_not_proven_away(name: str, size: float) -> None:
+    """A pose within the tolerances of a reached one counts, at singular postures above all."""
+    arm = of_reference(SIX[name]) if name in SIX else almost_meeting(name)
+    rng = np.random.default_rng(17)
+    q = rng.choice([0.0, np.pi / 2, -np.pi / 2, np.pi, 0.3, 1.1], (400, 6))
+    q += rng.choice([0.0, size, 1.0], (400, 1)) * rng.normal(size=(400, 6))
+    poses = arm.fk(q)
+    turns = rng.normal(size=(400, 3))
+    turns *= size / np.linalg.norm(turns, axis=1, keepdims=True)
+    poses[:, :3, :3] = rotations.pose([0, 0, 0], axis_angle=turns)[:, :3, :3] @ poses[:, :3, :3]
+    ways = rng.normal(size=(400, 3))
+    poses[:, :3, 3] += ways * size / np.linalg.norm(ways, axis=1, keepdims=True)
+    wide = 1.000001 * size
+    found = arm.ik_all(poses, position_tolerance=wide, orientation_tolerance=wide)
+    assert (found.status != Status.OUT_OF_REACH).all()
+
+
+def test_tolerances_widen_what_is_proven() -> None:
+    arm = of_reference(SIX["ur5"])
+    far = arm.fk(np.zeros(6))
+    far[:3, 3] *= 10.0
+    reach = np.linalg.norm(far[:3, 3])
+    assert arm.ik_all(far).status == Status.OUT_OF_REACH
+    assert arm.ik_all(far, position_tolerance=2 * reach).status == Status.NOT_FOUND
 
 
 def test_a_tool_of_the_call() -> None:

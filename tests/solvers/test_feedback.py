@@ -49,6 +49,31 @@ def test_bundled_state_spaces_reach_what_they_should(name, solved):
     assert failed <= {Status.NOT_FOUND, Status.STALLED}
 
 
+@pytest.mark.parametrize(
+    "solver",
+    [
+        solvers.CyclicCoordinateDescent(start="zero"),
+        solvers.IkPid(start="zero"),
+        solvers.Broyden(start="zero"),
+        solvers.Plain(solver=solvers.DampedLeastSquares()),
+    ],
+)
+def test_where_attempts_start_decides_no_turn(solver):
+    """Without `q0` the turn nearest to the middle of the limits; with it the one nearest to it."""
+    arm = ik.Robot.from_dh(
+        [[0.5, 0, 0, 0], [0.4, 0, 0, 0], [0.3, 0, 0, 0]], limits=[[-1.0, 6.9]] * 3
+    )
+    targets = arm.fk(np.array([[-0.5, 0.6, -0.7], [-0.9, 0.3, -0.8], [0.3, 0.5, 0.2]]))[:, :3, 3]
+    for q0, about in ((None, 2.95), (np.zeros(3), 0.0)):
+        found = arm.ik(targets, q0=q0, solver=solver)
+        assert found.success.all()
+        for turn in (-2 * np.pi, 2 * np.pi):
+            other = found.q + turn
+            inside = (other > -1.0) & (other < 6.9)
+            assert (np.abs(other - about) >= np.abs(found.q - about))[inside].all()
+    assert (found.q < 0.0).any()
+
+
 def test_the_frame_of_gains_follows_the_robots_first_link():
     gains = solvers.StateSpace.load("hydrolek_k15_cma", as_tuned=True)
     turned = ARM.in_frame("paper")

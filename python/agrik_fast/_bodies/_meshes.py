@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from urllib.parse import unquote, urlparse
 
 import numpy as np
 
@@ -51,6 +50,8 @@ class MeshPlaces:
         raise UrdfError(f"link {link!r}: mesh file {name!r} is missing; looked for at {looked}")
 
     def _candidates(self, name: str) -> Iterator[Path]:
+        from urllib.parse import unquote, urlparse
+
         parsed = urlparse(name)
         if parsed.scheme == "package":
             package, inside = parsed.netloc, unquote(parsed.path).lstrip("/")

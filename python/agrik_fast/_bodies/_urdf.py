@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from xml.etree import ElementTree
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,7 +19,8 @@ from ._hulls import hull_of, overestimate
 from ._meshes import MeshPlaces, triangles_of
 from ._shapes import BodyShape, Box, Capsule, Convex, Cover, Sphere
 
-Element = ElementTree.Element
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
 
 CYLINDERS = ("capsule", "convex", "cover")
 MESHES = ("convex", "cover")
@@ -77,6 +78,8 @@ class UrdfGeometry:
             Links with visual geometry alone, which would be free for every query, and links
             that joints outside the chain move.
         """
+        from xml.etree import ElementTree
+
         tree = Tree(ElementTree.fromstring(self.text), self.name)
         base = self.base_link or tree.root
         places = tree.places(base, link_names[:-1])

@@ -215,6 +215,7 @@ class DaskRunner:
         self.workers = 1
         self._run = secrets.token_hex(6)
         self._number = 0
+        self._shared: dict[str, int] = {}
 
     def room(self) -> bool:
         """Return whether workers may soon have nothing to do."""
@@ -241,6 +242,29 @@ class DaskRunner:
         )
         self._underway[future] = partitions
         future.add_done_callback(self._done.put)
+
+    def share_out(self) -> None:
+        """Let workers at work have the threads that others of their machine leave idle."""
+        if self._client.status != "running" or len(self._underway) >= self.workers:
+            return
+        try:
+            threads = self._client.nthreads()
+            at_work = [
+                worker
+                for worker, keys in self._client.processing().items()
+                if any(self._run in str(key) for key in keys)
+            ]
+            for worker in at_work:
+                host = urllib.parse.urlsplit(worker).hostname
+                beside = [w for w in threads if urllib.parse.urlsplit(w).hostname == host]
+                sharing = sum(w in at_work for w in beside)
+                wanted = self._assignment.threads * sum(threads[w] for w in beside) // sharing
+                if self._shared.get(worker, self._assignment.threads) != wanted:
+                    self._shared[worker] = wanted
+                    self._client.run(set_threads, wanted, workers=[worker], wait=False)
+        except Exception:
+            # It would have been quicker; what is wrong is told by `wait`.
+            return
 
     def wait(self, timeout_s: float) -> list[Ended]:
         """Return what ended."""

@@ -30,6 +30,7 @@ class _Process:
 
     def __init__(self, setup: Any, events: queue.Queue[tuple[_Process, Any]], simd: str) -> None:
         self.partition: Partition | None = None
+        self.threads = 0
         self.ready = False
         self.errors: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 - closed by `end`
         environment = dict(os.environ)
@@ -97,6 +98,7 @@ class LocalRunner:
         self._setup = (assignment, store)
         self._store = store
         self._simd = assignment.simd
+        self._threads = assignment.threads
         self._events: queue.Queue[tuple[_Process, Any]] = queue.Queue()
         self._processes: list[_Process] = []
 
@@ -117,7 +119,19 @@ class LocalRunner:
             process = _Process(self._setup, self._events, self._simd)
             self._processes.append(process)
         process.partition = partition
+        self._use(process, self._threads)
         process.tell(partition)
+
+    def share_out(self) -> None:
+        """Let processes at work have the threads of those that are not."""
+        at_work = [process for process in self._processes if process.partition is not None]
+        for process in at_work:
+            self._use(process, self._threads * self.workers // len(at_work))
+
+    def _use(self, process: _Process, threads: int) -> None:
+        if process.threads != threads:
+            process.threads = threads
+            process.tell(threads)
 
     def wait(self, timeout_s: float) -> list[Ended]:
         """Return what ended."""

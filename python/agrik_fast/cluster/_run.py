@@ -241,6 +241,7 @@ class Run:
                 if not group and again:
                     group = [again.popleft()]
                 if not group:
+                    runner.share_out()
                     break
                 runner.submit(group)
             if not runner.busy():

@@ -42,5 +42,12 @@ class Runner(Protocol):
     def wait(self, timeout_s: float) -> list[Ended]:
         """Return what ended since the last call, waiting for it if there is nothing yet."""
 
+    def share_out(self) -> None:
+        """Let those at work use what the others leave idle: there are no more partitions.
+
+        The last partitions end one after the other, and whoever ends first has nothing to do.
+        Results are the same for any number of threads.
+        """
+
     def close(self, *, cancel: bool) -> None:
         """End everything that was started; with `cancel`, work that is underway too."""

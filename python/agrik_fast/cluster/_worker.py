@@ -95,6 +95,10 @@ class _Worker:
             if isinstance(order, Partition):
                 self._waiting.put(order)
                 continue
+            if isinstance(order, int):
+                # For the calls of the job that follow.
+                set_threads(order)
+                continue
             # "cancel", or nobody is there any more.
             self._cancelled.set()
             self._waiting.put(None)

@@ -178,14 +178,15 @@ def _held(fruit: SceneObject, pose: FloatArray) -> list[Body]:
     """Return the solids of a fruit as bodies of the tool that holds it at a pose."""
     turn, at = pose[:3, :3], pose[:3, 3]
 
-    def inner(point: FloatArray) -> FloatArray:
-        return np.asarray(turn.T @ (point - at))
+    def inner(point: ArrayLike) -> tuple[float, float, float]:
+        x, y, z = (turn.T @ (np.asarray(point) - at)).tolist()
+        return x, y, z
 
     shapes: list[BodyShape] = [Sphere(inner(row[:3]), row[3]) for row in fruit.spheres]
     shapes += [Capsule(inner(row[:3]), inner(row[3:6]), row[6]) for row in fruit.capsules]
     shapes += [
-        Box(inner(row[:3]), row[3:6], rotation=turn.T @ row[6:15].reshape(3, 3), radius=row[15])
+        Box(inner(row[:3]), tuple(row[3:6].tolist()), rotation=turn.T @ row[6:15].reshape(3, 3), radius=row[15])
         for row in fruit.boxes
     ]
-    shapes += [Convex([inner(p) for p in points], radius) for points, radius in fruit.hulls]
+    shapes += [Convex(tuple(inner(p) for p in points), radius) for points, radius in fruit.hulls]
     return [Body(f"fruit{k}", "tool", shape) for k, shape in enumerate(shapes)]

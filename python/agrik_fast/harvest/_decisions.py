@@ -220,10 +220,11 @@ class Decisions:
     columns: dict[str, Any]
 
     def __getattr__(self, name: str) -> NDArray[Any]:
-        try:
-            return np.asarray(self.columns[name])
-        except KeyError:
-            raise AttributeError(name) from None
+        # A record that is being copied has no columns yet.
+        columns = vars(self).get("columns", {})
+        if name not in columns:
+            raise AttributeError(name)
+        return np.asarray(columns[name])
 
     @property
     def status(self) -> NDArray[np.uint8]:

@@ -7,7 +7,7 @@ use agrik::solve::{Pid, PidOrder, Settings, StartRule, StateSpace, Step, populat
 use agrik::solvers::Solver;
 use agrik::{Field, Number};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::{PyDict, PyString, PyType};
 
 use super::{gains, population};
 use crate::convert::{real, whole};
@@ -43,6 +43,11 @@ pub fn chosen(solver: Option<&Bound<'_, PyAny>>, robot: &str) -> PyResult<Solver
 /// The solver with the fields of an object.
 fn of_object(solver: &Bound<'_, PyAny>, robot: &str) -> PyResult<Solver> {
     let py = solver.py();
+    if let Ok(class) = solver.cast::<PyType>() {
+        let expected = format!("a solver, such as {}()", class.name()?);
+        let received = format!("the class {}", class.name()?);
+        return Err(errors::argument(py, "solver", &received, &expected));
+    }
     let name = solver.getattr("name").and_then(|name| name.extract::<String>()).map_err(|_| {
         let names = Solver::names().collect::<Vec<_>>().join(", ");
         let expected = format!("a solver of agrik_fast.solvers or one of {names}");

@@ -104,7 +104,9 @@ impl DhRows {
     /// Writes the derivatives by the rows from those by displacements of the target.
     #[inline(always)]
     fn write<R: Real>(&self, q: &[R], point: V3<R>, twists: &[R], out: &mut [R]) {
-        let start = Placed { axes: self.base.axes.map(splat3), origin: splat3(self.base.origin) };
+        let [x, y, z] = &self.base.axes;
+        let axes = [splat3(*x), splat3(*y), splat3(*z)];
+        let start = Placed { axes, origin: splat3(self.base.origin) };
         let width = self.rows.len() * DH;
         let mut before = start;
         for (k, row) in self.rows.iter().enumerate() {
@@ -113,18 +115,17 @@ impl DhRows {
                 DhConvention::Standard => (&after, &before),
                 DhConvention::Modified => (&before, &after),
             };
-            let axes = [x.axes[0], z.axes[2]];
-            let turns = [(x, axes[0]), (z, axes[1])]
-                .map(|(frame, axis)| cross(axis, sub(point, frame.origin)));
+            let (along_x, along_z) = (x.axes[0], z.axes[2]);
+            let about_x = cross(along_x, sub(point, x.origin));
+            let about_z = cross(along_z, sub(point, z.origin));
             for (twist, out) in twists.chunks_exact(TWIST).zip(out.chunks_exact_mut(width)) {
                 let way = [twist[0], twist[1], twist[2]];
                 let turn = [twist[3], twist[4], twist[5]];
-                for i in 0..2 {
-                    // A tool that is moved on has to come back.
-                    out[DH * k + 2 * i] = -lanes::dot(way, axes[i]);
-                    out[DH * k + 2 * i + 1] =
-                        -(lanes::dot(way, turns[i]) + lanes::dot(turn, axes[i]));
-                }
+                // A tool that is moved on has to come back.
+                out[DH * k] = -lanes::dot(way, along_x);
+                out[DH * k + 1] = -(lanes::dot(way, about_x) + lanes::dot(turn, along_x));
+                out[DH * k + 2] = -lanes::dot(way, along_z);
+                out[DH * k + 3] = -(lanes::dot(way, about_z) + lanes::dot(turn, along_z));
             }
             before = after;
         }
@@ -141,13 +142,20 @@ struct Placed<R> {
 impl<R: Real> Placed<R> {
     #[inline(always)]
     fn then(&self, next: &Constant) -> Self {
-        let [x, y, z] = self.axes;
-        let along = |v: [f64; 3], from: V3<R>| {
-            let [a, b, c] = v.map(R::splat);
-            axpy(x, a, axpy(y, b, axpy(z, c, from)))
-        };
         let none = [R::zero(); 3];
-        Self { axes: next.axes.map(|v| along(v, none)), origin: along(next.origin, self.origin) }
+        let [x, y, z] = &next.axes;
+        Self {
+            axes: [self.along(x, none), self.along(y, none), self.along(z, none)],
+            origin: self.along(&next.origin, self.origin),
+        }
+    }
+
+    /// What is given along the frame's axes, and something more.
+    #[inline(always)]
+    fn along(&self, v: &[f64; 3], more: V3<R>) -> V3<R> {
+        let sum = axpy(self.axes[2], R::splat(v[2]), more);
+        let sum = axpy(self.axes[1], R::splat(v[1]), sum);
+        axpy(self.axes[0], R::splat(v[0]), sum)
     }
 
     /// The frame after the motion of a joint along or about its z.

@@ -8,6 +8,7 @@ use crate::closed_form::families::every::Every;
 use crate::closed_form::families::postures::{Set, whole};
 use crate::closed_form::families::ring::Work;
 use crate::closed_form::families::six::Six;
+use crate::closed_form::geometry::enclosure::Margin;
 use crate::closed_form::geometry::limit::{Limit, SLACK};
 use crate::closed_form::geometry::rigid::Rigid;
 use crate::closed_form::geometry::screws::{EXACT, Screw, Screws, norm};
@@ -158,6 +159,7 @@ impl<'a> AnyArm<'a> {
         let mut sets = vec![Set::new(); count];
         let mut bad = vec![false; count];
         let unit = Rigid::<f64>::identity();
+        let margin = self.margin();
         let given = !matches!(self.request.starts(), Starts::Free);
         let last = every.joints() - 1;
         for (i, bad) in bad.iter_mut().enumerate() {
@@ -204,12 +206,12 @@ impl<'a> AnyArm<'a> {
                         let range = begin..end;
                         let sets = &mut sets[range.clone()];
                         let near = (&near[range.clone()], given);
-                        six.solve(level, &goals[range], near, sets, &mut work);
+                        six.solve(level, (&goals[range], margin), near, sets, &mut work);
                     }
                     begin = end;
                 }
             }
-            _ => like.solve(level, &goals, (&near, given), &mut sets, &mut work),
+            _ => like.solve(level, (&goals, margin), (&near, given), &mut sets, &mut work),
         }
         Solved { goals, near, sets, bad }
     }
@@ -294,6 +296,15 @@ impl<'a> AnyArm<'a> {
             *of = least;
         }
         set.none &= set.count == given.count;
+    }
+
+    /// What the tolerances leave to the pose of the last joint's frame.
+    fn margin(&self) -> Margin {
+        let tolerance = self.request.tolerance();
+        // The tool is part of an arm with added joints.
+        let tool = if self.added.is_some() { 0.0 } else { norm(self.request.tail().translation) };
+        let turn = tolerance.orientation;
+        Margin { position: tolerance.position + tool * turn, turn }
     }
 
     /// Where the last joint's frame has to be; `None` for bad input.

@@ -5,8 +5,9 @@ use super::SphericalWrist;
 use super::postures::{Candidates, Set};
 use crate::closed_form::geometry::axes::Geometry;
 use crate::closed_form::geometry::candidate::{Candidate, JOINTS, MOST_BRANCHES};
+use crate::closed_form::geometry::enclosure::Margin;
 use crate::closed_form::geometry::rigid::Rigid;
-use crate::closed_form::geometry::screws::Screws;
+use crate::closed_form::geometry::screws::{Screws, norm};
 use crate::closed_form::geometry::serial::Serial;
 use crate::closed_form::geometry::turn::Turn;
 use crate::lanes::{Kernel, Level, Real, cross, dispatch};
@@ -58,6 +59,27 @@ impl Meeting {
         self.reversed
     }
 
+    /// No posture comes within a margin of a goal (m), whatever the limits: proven.
+    pub fn is_out_of_reach(&self, goal: &Rigid<f64>, margin: Margin) -> bool {
+        let mut goal = *goal;
+        goal.shift = goal.shift.map(|x| x / self.length);
+        let geometry = self.arm.geometry();
+        let misfit = geometry.misfit.position.max(geometry.misfit.orientation);
+        let mut margin = margin.widened(self.length, misfit, 3.0 + norm(goal.shift));
+        let read = if self.reversed {
+            // An error of the orientation moves the base as the tool sees it.
+            margin.position = margin.at(norm(goal.shift));
+            goal.inverse()
+        } else {
+            goal
+        };
+        let lever = self.untool.after(&self.frame);
+        let at = read.after(&lever);
+        let wanted = Goal { position: at.shift, axes: at.axes };
+        let off = margin.at(norm(lever.shift));
+        !margin.is_wide() && self.arm.is_out_of_reach(&wanted, off, margin.turn)
+    }
+
     /// All postures of goals (m); an angle that nothing decides is taken from `near`.
     pub fn solve(&self, level: Level, goals: &[Rigid<f64>], near: &[[f64; 6]], sets: &mut [Set]) {
         dispatch(level, All { arm: self, goals, near, sets });
@@ -93,7 +115,8 @@ impl Kernel for All<'_> {
     #[inline(always)]
     fn run<R: Real>(self) {
         let Self { arm, goals, near, sets } = self;
-        let alone = goals.len() == 1;
+        // Of a single goal the lanes hold its postures, where there is room for all.
+        let alone = goals.len() == 1 && R::WIDTH >= MOST_BRANCHES / 2;
         let scale = 1.0 / arm.length;
         let frame = Rigid::<R>::splat(&arm.frame);
         let mut first = 0;
@@ -120,20 +143,17 @@ impl Kernel for All<'_> {
             let at = read.after(&Rigid::splat(&arm.untool)).after(&frame);
             let wanted = Goal { position: at.shift, axes: at.axes };
             let own = &mut sets[first..first + count];
+            // One way to turn the wrist after the other, so that postures come in the same order
+            // whatever the lanes hold.
             if alone {
-                let mut pair = 0;
-                while pair < MOST_BRANCHES / 2 {
-                    let lanes = R::WIDTH.min(MOST_BRANCHES / 2 - pair);
-                    let both = arm.arm.side_by_side(&wanted, [0.0; 3], &preferred, pair);
-                    for one in &both {
-                        arm.taken(one).settle(&arm.serial, &goal, lanes, own);
-                    }
-                    pair += R::WIDTH;
+                let both = arm.arm.side_by_side(&wanted, [0.0; 3], &preferred, 0);
+                for one in &both {
+                    arm.taken(one).settle(&arm.serial, &goal, MOST_BRANCHES / 2, own);
                 }
             } else {
                 let mut out = [Candidate::none(); MOST_BRANCHES];
                 arm.arm.solve(&wanted, [0.0; 3], &preferred, &mut out);
-                for one in &out {
+                for one in out.iter().step_by(2).chain(out.iter().skip(1).step_by(2)) {
                     arm.taken(one).settle(&arm.serial, &goal, count, own);
                 }
             }

@@ -39,8 +39,6 @@ pub struct Set {
     pub places: usize,
     /// The other cut was asked as well.
     pub second: bool,
-    /// Squared, what the nearest candidate of a closed form missed by.
-    pub closest: f64,
     /// Joints that some candidate left free, whether or not it reached the goal; a bit each.
     pub open: u8,
     /// There is no posture, for sure.
@@ -61,7 +59,6 @@ impl Set {
             roots: 0,
             places: 0,
             second: false,
-            closest: f64::INFINITY,
             open: 0,
             none: false,
             more: false,
@@ -173,7 +170,6 @@ impl<R: Real> Candidates<R> {
         let (_, mut left, _) = serial.errors(&self.q, goal);
         let used = u32::MAX >> (32 - lanes as u32);
         let near = R::bits(left.lt(R::splat(FAR))) & !self.merged & used;
-        let missed = left;
         let rough = near & !R::bits(left.le(R::splat(FINE * FINE)));
         let mut q = self.q;
         if rough != 0 {
@@ -184,7 +180,6 @@ impl<R: Real> Candidates<R> {
         let one = sets.len() == 1;
         for lane in 0..lanes {
             let set = &mut sets[if one { 0 } else { lane }];
-            set.closest = set.closest.min(missed.lane(lane));
             for (lanes, bit) in self.open {
                 set.open |= if lanes >> lane & 1 != 0 { bit } else { 0 };
             }
@@ -203,7 +198,8 @@ impl<R: Real> Candidates<R> {
             for (x, from) in posture.iter_mut().zip(&q) {
                 *x = from.lane(lane);
             }
-            if rough != 0 {
+            // Whether steps were needed is the goal's own matter, not that of its neighbours.
+            if rough >> lane & 1 != 0 {
                 set.add_with(&posture, flags, open);
             } else {
                 set.put(&posture, flags, open);

@@ -27,10 +27,6 @@ fn lengths(x: f64, by: f64) -> Range {
     Range { low: (x - by).max(0.0), high: x + by }
 }
 
-fn around(x: f64, by: f64) -> Range {
-    Range { low: x - by, high: x + by }
-}
-
 impl Shoulder {
     /// Arcs of the three turns of every arm that puts the wrist's centre within `off` of `p`,
     /// seen from the first joint.
@@ -91,7 +87,7 @@ impl Shoulder {
         let ring = hypotenuse(p[0], p[1]);
         let third = if self.kind() == Kind::ParallelBase {
             let c = up * one.cosine - (two.d + two.cosine * self.height);
-            linear_arcs(0.0, two.sine * r, 0.0, around(c, off))
+            linear_arcs(0.0, two.sine * r, 0.0, Range::about(c, off))
         } else {
             let fixed = two.a * two.a
                 + two.d * two.d
@@ -115,7 +111,7 @@ impl Shoulder {
             } else {
                 let c = (up - v[2] * one.cosine) / one.sine;
                 let c_off = (off + one.cosine.abs() * v_off) / one.sine.abs();
-                linear_arcs(v[1], v[0], v_off, around(c, c_off))
+                linear_arcs(v[1], v[0], v_off, Range::about(c, c_off))
             };
             for second in lean.into_iter().flatten() {
                 let first = self.first_arc(p, off, v, v_off, second);

@@ -4,13 +4,10 @@ use super::meeting::Meeting;
 use super::postures::Set;
 use super::ring::{Ring, Work};
 use super::three_parallel::ThreeParallel;
+use crate::closed_form::geometry::enclosure::Margin;
 use crate::closed_form::geometry::rigid::Rigid;
 use crate::closed_form::geometry::screws::{EXACT, Screws};
 use crate::lanes::Level;
-
-/// Squared: where all candidates of a closed form miss by more, there is no posture. They keep as
-/// near as they can where an equation has no solution.
-const FAR_OFF: f64 = 1e-6;
 
 /// Values of a free joint that are tried.
 const VALUES: u32 = 48;
@@ -105,11 +102,12 @@ impl Six {
     }
 
     /// All postures of goals (m); an angle that nothing decides is taken from `near`, which are
-    /// start values where somebody gave such.
+    /// start values where somebody gave such. `margin` is what postures may miss a goal by and
+    /// still count, when it is asked whether there are any.
     pub fn solve(
         &self,
         level: Level,
-        goals: &[Rigid<f64>],
+        (goals, margin): (&[Rigid<f64>], Margin),
         (near, given): (&[[f64; 6]], bool),
         sets: &mut [Set],
         work: &mut Work,
@@ -127,8 +125,17 @@ impl Six {
                 self.try_open(level, &goals[i], near, set);
             }
             set.keep_nearest(self.branches(), near);
-            set.none |= closed && set.count == 0 && set.open == 0 && set.closest > FAR_OFF;
+            set.none = set.count == 0 && self.is_out_of_reach(&goals[i], margin);
             set.sort();
+        }
+    }
+
+    /// No posture comes within a margin of a goal (m), whatever the limits: proven.
+    fn is_out_of_reach(&self, goal: &Rigid<f64>, margin: Margin) -> bool {
+        match &self.way {
+            Way::Meeting(arm) => arm.is_out_of_reach(goal, margin),
+            Way::ThreeParallel(arm) => arm.is_out_of_reach(goal, margin),
+            Way::Ring(arm) => arm.is_out_of_reach(goal, margin),
         }
     }
 

@@ -8,6 +8,8 @@ use super::Family;
 use super::shoulder::{Arm, Kind, Shoulder};
 use crate::closed_form::geometry::axes::Geometry;
 use crate::closed_form::geometry::candidate::{Candidate, MOST_BRANCHES, values};
+use crate::closed_form::geometry::enclosure::{Rotation, none_inside};
+use crate::closed_form::geometry::limit::Limit;
 use crate::closed_form::geometry::turn::{Meeting, Side, Turn, advance, components, identity};
 use crate::lanes::{Real, V3, axpy, splat3, sub};
 use crate::task::Goal;
@@ -62,6 +64,22 @@ impl SphericalWrist {
     /// The last three.
     pub(crate) fn wrist(&self) -> &Meeting {
         &self.wrist
+    }
+
+    /// No posture, whatever the limits, puts the last joint's frame within `off` (m) of where a
+    /// goal has it with its orientation within `turn`, rad: proven.
+    pub fn is_out_of_reach(&self, goal: &Goal<f64>, off: f64, turn: f64) -> bool {
+        let wanted = self.wanted(goal, [0.0; 3]);
+        let links = &self.geometry.links;
+        self.shoulder.arcs(wanted.center, off).iter().all(|arcs| {
+            let mut frame = identity::<f64>();
+            for (arc, link) in arcs.iter().zip(links) {
+                frame = advance(frame, arc.middle.sin_cos(), link);
+            }
+            let off = arcs.iter().map(|arc| arc.off).sum::<f64>() + turn;
+            let (x, z) = (components(frame, wanted.x), components(frame, wanted.z));
+            none_inside(&self.wrist, &Rotation { x, z, off }, &[(Limit::FREE, 0.0); 3])
+        })
     }
 
     /// All branches for goals whose `position` is the tool point, `tool` away from the

@@ -7,7 +7,9 @@
 //! joint: eight postures.
 
 use super::postures::{Candidates, Set};
-use crate::closed_form::geometry::rigid::{Rigid, turned_about};
+use crate::closed_form::geometry::enclosure::{Arc, Margin, linear_arcs};
+use crate::closed_form::geometry::range::Range;
+use crate::closed_form::geometry::rigid::{Rigid, turn_about, turned_about};
 use crate::closed_form::geometry::screws::{EXACT, Screws, norm};
 use crate::closed_form::geometry::serial::Serial;
 use crate::closed_form::geometry::turn::{Root, Side, Turn, linear, unit_turn};
@@ -36,6 +38,8 @@ pub struct ThreeParallel {
     signs: [f64; 2],
     across: V3<f64>,
     length: f64,
+    /// Arm lengths and rad by which the axes are off from what they are taken for, at most.
+    misfit: f64,
 }
 
 /// Sine of the angle between axis 6 and the parallel ones below which nothing decides joint 6: an
@@ -86,12 +90,70 @@ impl ThreeParallel {
             signs: [2, 3].map(|k| dot(n, joint(k).axis).signum()),
             across: across.map(|x| x / size),
             length,
+            // Four axes are shifted or turned, and levers are three arm lengths at most.
+            misfit: 12.0 * tilt.max(gap),
         })
     }
 
     /// All postures of goals (m); an angle that nothing decides is taken from `near`.
     pub fn solve(&self, level: Level, goals: &[Rigid<f64>], near: &[[f64; 6]], sets: &mut [Set]) {
         dispatch(level, All { arm: self, goals, near, sets });
+    }
+
+    /// No posture comes within a margin of a goal (m), whatever the limits: proven. The equations
+    /// of [`Self::solve`] with arcs for angles, which hold those of all postures that do.
+    pub fn is_out_of_reach(&self, goal: &Rigid<f64>, margin: Margin) -> bool {
+        let mut goal = *goal;
+        goal.shift = goal.shift.map(|x| x / self.length);
+        let margin = margin.widened(self.length, self.misfit, 3.0 + norm(goal.shift));
+        if margin.is_wide() {
+            return false;
+        }
+        let all = goal.after(&self.untool);
+        // How far a point of the last link may be from where it is taken to be.
+        let off = |x: V3<f64>| margin.at(norm(self.untool.apply(x)));
+        let (axis, n) = (self.axes[0], self.axes[1]);
+        let p = sub(all.apply(self.meeting), self.first);
+        let (nw, wp) = (dot(n, axis), dot(axis, p));
+        let (a, b) = (dot(n, p) - nw * wp, -dot(n, cross(axis, p)));
+        let c = dot(n, sub(self.meeting, self.first)) - nw * wp;
+        let wide = off(self.meeting);
+        let Some(firsts) = linear_arcs(a, b, wide, Range::about(c, wide)) else { return true };
+        let none = |one: Arc| {
+            let back = turn_about(axis, self.first, (-one.middle).sin_cos());
+            let rest = back.after(&all);
+            let turn = (margin.turn + one.off).min(2.0);
+            let (w5, w6) = (self.axes[4], self.axes[5]);
+            let (nw, ww) = (dot(n, w5), dot(w5, w6));
+            let (a, b) = (dot(n, w6) - nw * ww, dot(n, cross(w5, w6)));
+            let c = dot(n, rest.turn(w6)) - nw * ww;
+            let Some(fifths) = linear_arcs(a, b, 0.0, Range::about(c, turn)) else { return true };
+            fifths.into_iter().all(|five| {
+                let to = turned_about(w5, (-five.middle).sin_cos(), n);
+                let from = rest.turn_back(n);
+                let guess = if w6[0].abs() < 0.8 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+                let u = cross(w6, guess);
+                let u = u.map(|x| x / norm(u));
+                let v = cross(w6, u);
+                let toward = |x: V3<f64>, off: f64| Arc::toward(dot(x, u), dot(x, v), off);
+                let six = toward(to, five.chord()).minus(toward(from, turn));
+                let arm = sub(self.fourth, self.meeting);
+                let at = turned_about(w5, (-five.middle).sin_cos(), arm);
+                let at = turned_about(w6, (-six.middle).sin_cos(), at);
+                let at = axpy(self.meeting, 1.0, at);
+                let far = norm(sub(all.apply(at), self.first));
+                let wide = off(at) + far * one.chord() + norm(arm) * (five.chord() + six.chord());
+                let d = sub(rest.apply(at), self.second);
+                let way = norm(axpy(n, -dot(n, d), d));
+                let (u, f) = (self.upper, self.fore);
+                let (a, b) = (dot(u, f), dot(u, cross(self.axes[2], f)));
+                let (low, high) = ((way - wide).max(0.0), way + wide);
+                let fixed = dot(u, u) + dot(f, f);
+                let c = Range { low: low * low - fixed, high: high * high - fixed };
+                linear_arcs(a, b, 0.0, c.by(0.5)).is_none()
+            })
+        };
+        firsts.into_iter().all(none)
     }
 
     /// What the first joint leaves to the others, on a side.

@@ -92,14 +92,8 @@ impl Geometry {
         last_x: V3<f64>,
         reach: f64,
     ) -> Result<Self, String> {
-        let free = Limit {
-            lower: f64::NEG_INFINITY,
-            upper: f64::INFINITY,
-            middle: 0.0,
-            half: f64::INFINITY,
-        };
         let order = (0..lines.len()).collect();
-        Self::of(lines, last_x, reach, order, vec![free; lines.len()])
+        Self::of(lines, last_x, reach, order, vec![Limit::FREE; lines.len()])
     }
 
     fn of(

@@ -17,6 +17,36 @@ use crate::lanes::{V3, cross, hypotenuse};
 /// the rounding of any of them.
 const ROUNDING: f64 = 1e-12;
 
+/// How far from a pose another one may be that still counts for it.
+#[derive(Debug, Clone, Copy)]
+pub struct Margin {
+    /// Of the position, m.
+    pub position: f64,
+    /// Of the orientation, rad.
+    pub turn: f64,
+}
+
+impl Margin {
+    /// The same in other units of length, wider by what an arm is off from what it is taken for,
+    /// and by the rounding of coordinates of a size.
+    pub fn widened(self, length: f64, misfit: f64, size: f64) -> Self {
+        Self {
+            position: self.position / length + misfit + ROUNDED * size,
+            turn: self.turn + misfit + ROUNDED,
+        }
+    }
+
+    /// How far a point that is so far from the tool may be from where it is taken to be.
+    pub fn at(&self, far: f64) -> f64 {
+        self.position + far * self.turn
+    }
+
+    /// So wide that nothing follows.
+    pub fn is_wide(&self) -> bool {
+        !(self.position.is_finite() && self.turn < 1.0)
+    }
+}
+
 /// The angles within `off` of `middle`, rad; all of them where `off` is pi or more.
 #[derive(Debug, Clone, Copy)]
 pub struct Arc {
@@ -77,6 +107,9 @@ impl Arc {
         nearest > limit.half + self.off + ROUNDING
     }
 }
+
+/// What rounding may do to coordinates, as a share of their size.
+const ROUNDED: f64 = 1e-11;
 
 /// The angles between 0 and pi whose cosines are in a range; `None` where none is.
 pub fn arc_cosines(range: Range) -> Option<Arc> {

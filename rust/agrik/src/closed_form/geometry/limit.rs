@@ -17,6 +17,10 @@ pub struct Limit {
 }
 
 impl Limit {
+    /// No limits.
+    pub const FREE: Self =
+        Self { lower: f64::NEG_INFINITY, upper: f64::INFINITY, middle: 0.0, half: f64::INFINITY };
+
     /// The limits of a joint.
     pub fn of(v: &Variable) -> Self {
         let bounded = v.lower.is_finite() && v.upper.is_finite();

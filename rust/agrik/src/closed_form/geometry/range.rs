@@ -11,6 +11,10 @@ impl Range {
     pub fn of(a: f64, b: f64) -> Self {
         Self { low: a.min(b), high: a.max(b) }
     }
+    /// Numbers within `by` of `x`.
+    pub fn about(x: f64, by: f64) -> Self {
+        Self { low: x - by, high: x + by }
+    }
     pub fn times(self, o: Self) -> Self {
         let all = [self.low * o.low, self.low * o.high, self.high * o.low, self.high * o.high];
         Self {

@@ -56,9 +56,15 @@ impl Screws {
         pose
     }
 
-    /// A length of the arm's size, m: a third of the way from point to point, which moves with
-    /// no choice of points on the axes that come from a file.
+    /// A length of the arm's size, m: a third of its span.
     pub fn length(&self) -> f64 {
+        let span = self.span();
+        if span > 0.0 { span / 3.0 } else { 1.0 }
+    }
+
+    /// The way from point to point, m; the tool is never farther from the first one. Of gathered
+    /// axes it moves with no choice of points on them that comes from a file.
+    pub fn span(&self) -> f64 {
         let mut sum = 0.0;
         for pair in self.joints.windows(2) {
             sum += norm(sub(pair[1].point, pair[0].point));
@@ -66,7 +72,7 @@ impl Screws {
         if let Some(last) = self.joints.last() {
             sum += norm(sub(self.tool.shift, last.point));
         }
-        if sum > 0.0 { sum / 3.0 } else { 1.0 }
+        sum
     }
 
     /// The arm with one joint held at a value, which moves all behind it.

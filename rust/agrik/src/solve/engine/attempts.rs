@@ -147,7 +147,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         }
         let job = &mut self.jobs[lane];
         let mut best = job.best.unwrap_or_else(|| {
-            let given = self.plan.start(job.row);
+            let given = self.plan.request.start(job.row);
             for (i, (x, v)) in job.best_q.iter_mut().zip(self.variables).enumerate() {
                 let (limit, near) = (&self.limits[i], v.near_zero());
                 let about = given.map_or(limit.middle, |start| limit.reference(start[i]));
@@ -306,7 +306,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             }
         }
         if let Some((end, mut q)) = best {
-            let given = self.plan.start(self.jobs[lane].row);
+            let given = self.plan.request.start(self.jobs[lane].row);
             for (i, (x, v)) in q.iter_mut().zip(&self.limits).enumerate() {
                 let about = given.map_or(v.middle, |start| v.reference(start[i]));
                 *x = if v.turns || v.winds { v.wound(*x, about) } else { *x };
@@ -398,6 +398,8 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             q.set_lane(lane, x.max(v.lower).min(v.upper));
         }
         if self.has_continuous || self.winds {
+            // Where a solver's attempts begin by themselves is nothing to stay near.
+            let given = self.plan.request.start(row);
             for (i, (reference, v)) in self.reference.iter_mut().zip(&self.limits).enumerate() {
                 let about = given.map_or(v.middle, |start| v.reference(start[i]));
                 reference.set_lane(lane, about);

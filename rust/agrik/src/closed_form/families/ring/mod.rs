@@ -21,8 +21,9 @@ use self::cut::Cut;
 use self::passes::OneCut;
 pub use self::passes::Work;
 use super::postures::{MOST, Set};
+use crate::closed_form::geometry::enclosure::Margin;
 use crate::closed_form::geometry::rigid::Rigid;
-use crate::closed_form::geometry::screws::Screws;
+use crate::closed_form::geometry::screws::{Screws, norm};
 use crate::closed_form::geometry::serial::Serial;
 use crate::lanes::{Level, dispatch, sub};
 use crate::random::Sequence;
@@ -174,16 +175,14 @@ impl Ring {
                 }
             }
         }
-        for (set, goal) in sets.iter_mut().zip(&scaled) {
-            set.none = set.count == 0 && self.is_too_far(goal);
-        }
     }
 
-    /// No posture reaches that far from the first axis: the triangle inequality. That no root was
-    /// found is no proof, however clean the samples are.
-    fn is_too_far(&self, goal: &Rigid<f64>) -> bool {
-        let [x, y, z] = sub(goal.shift, self.axes.joints[0].point);
-        (x * x + y * y + z * z).sqrt() > (1.0 + ROUNDING) * self.axes.length() * 3.0
+    /// No posture reaches so far from the first axis as a goal (m) is, but for a margin: the
+    /// triangle inequality. That no root was found is no proof, however clean the samples are.
+    pub fn is_out_of_reach(&self, goal: &Rigid<f64>, margin: Margin) -> bool {
+        let way = sub(self.scaled(goal).shift, self.axes.joints[0].point);
+        let margin = margin.position / self.length;
+        norm(way) > (1.0 + ROUNDING) * self.axes.span() + margin
     }
 
     /// Something says that postures may be missing.
