@@ -78,9 +78,10 @@ browser: build $(VENV)/.dev ## the viewer in Chromium (sets itself up on Debian 
 	.ci/browser
 	AGRIK_BROWSER=1 $(PY) -m pytest -m browser
 
-vision-full: build $(VENV)/.dev ## the detector on 2,000 renders of all kinds, the loop before 20 fruits
+vision-full: build $(VENV)/.dev ## the detector on 2,000 renders, the loop before 20 fruits, stereo to harvest
 	PYTHONPATH=tests $(PY) tests/vision_renders.py --renders 2000
 	PYTHONPATH=tests $(PY) tests/pointing_full.py --fruits 20
+	AGRIK_ALL_SCENES=1 $(PY) -m pytest --timeout 600 tests/vision/test_stereo_harvest.py
 
 damaged: build $(VENV)/.dev ## 2,000 damaged files: no traceback, < 500 MB, < 5 s each
 	$(PY) tests/io/damaged_files.py --files 2000

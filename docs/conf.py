@@ -34,7 +34,7 @@ myst_heading_anchors = 3
 # A name in single backticks is a link where the reference has it.
 default_role = "py:obj"
 # A word such as `iterations` may be an attribute of several classes: it stays without a link.
-suppress_warnings = ["ref.python", "toc.empty_glob"]
+suppress_warnings = ["ref.python"]
 
 html_theme = "pydata_sphinx_theme"
 html_title = "agrik_fast"

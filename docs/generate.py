@@ -8,6 +8,7 @@ import architecture_picture
 import elements
 import front_picture
 import hardware_pictures
+import loops_picture
 import matplotlib as mpl
 import motion_picture
 import numpy as np
@@ -239,6 +240,7 @@ def main(folder: Path) -> None:
     draw_arm_angles(folder / "arm_angles.svg")
     draw_branches(folder / "branches.svg")
     ring_picture.draw(folder / "ring.svg", save)
+    loops_picture.draw(folder / "loops.svg", save)
     strawberry.reproduce(folder / "papers" / "strawberry")
     tomato.reproduce(folder / "papers" / "tomato")
     hydrolek.reproduce(folder / "papers" / "hydrolek")

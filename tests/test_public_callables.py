@@ -60,9 +60,8 @@ from agrik_fast.vision import (
 )
 from agrik_fast.vision import Scene as DrawnScene
 
-# Files and the jobs over them have tests of their own, which damage them; papers and viewers
-# write files and start servers, drawings are given axes, and torch and JAX are not installed
-# everywhere.
+# Files and the jobs over them have tests of their own, which damage them; papers and viewers write
+# files and start servers, drawings are given axes, and torch and JAX are not installed everywhere.
 ELSEWHERE = (
     "agrik_fast.cli",
     "agrik_fast.cluster",
@@ -72,8 +71,8 @@ ELSEWHERE = (
     "agrik_fast.jax",
     "agrik_fast.jobs",
     "agrik_fast.papers",
-    "agrik_fast.torch",
     "agrik_fast.plots",
+    "agrik_fast.torch",
     "agrik_fast.viewer",
 )
 # Exceptions and codes hold what they are given; tables of files are checked by their readers,
@@ -174,6 +173,11 @@ ARGUMENTS: dict[str, Any] = {
     "masks": np.zeros((1, 240, 320), bool),
     "matches": np.ones((1, 4)),
     "matrix": paper_camera().matrix,
+    "joints": {},
+    "limits": {},
+    "measure": "near",
+    "robots": [ARM],
+    "twist": np.zeros(6),
     "number": 0,
     "paths": ["none.png"],
     "pixels": np.ones((12, 2)),

@@ -47,7 +47,7 @@ print(trajectory)
 way = arm.fk(trajectory.positions)[:, :3, 3] - arm.fk(start)[:3, 3]
 along = end[:3, 3] - arm.fk(start)[:3, 3]
 off = np.linalg.norm(np.cross(way, along / np.linalg.norm(along)), axis=1)
-print(f"off the line by {1e6 * off.max():.1f} um at most")
+print(f"off the line by {1e9 * off.max():.0f} nm at most")
 used = np.abs(trajectory.velocities).max(axis=0) / arm.velocity_limits
 print("share of each joint's velocity limit:", used.round(2))
 
@@ -83,24 +83,6 @@ print(len(message["points"]), "points, the last at", message["points"][-1]["time
 end[0, 3] += 1.0
 short = arm.line(start, end)
 print(short.success, ik.Status(int(short.status[-1])).name, len(short), "postures")
-
-# %%
-# When it is where
-# ----------------
-#
-# `Robot.line` makes the same path by itself. `motion.time_law` gives it its time: as short as the
-# limits of the joints allow, and here no faster than 0.15 m/s along the line. The points are those
-# of ROS's JointTrajectory.
-
-trajectory = motion.time_law(arm, arm.line(start, poses[-1]), speed=0.15)
-print(trajectory)
-message = trajectory.to_ros()
-print(message["joint_names"], len(message["points"]), message["points"][-1]["time_from_start"])
-
-figure, axis = plt.subplots(figsize=(7, 3.4), layout="constrained")
-axis.plot(trajectory.times, np.degrees(trajectory.velocities), label=arm.joint_names)
-axis.set(xlabel="time [s]", ylabel="joint velocity [degrees/s]")
-axis.legend(fontsize=7, ncols=3)
 
 # %%
 # :doc:`../paths` says how a path is followed, :doc:`../trajectories` what the time law does.

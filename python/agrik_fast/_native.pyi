@@ -265,6 +265,28 @@ class Chain:
         Of the joints of which anything is known.
         """
 
+    def with_limits(self, limits: dict[str, tuple[float, float]]) -> Chain:
+        """Return the chain with other limits of the joint variables that are named."""
+
+    def locked(self, locks: dict[str, float]) -> Chain:
+        """Return the chain with the joint variables that are named at rest, at their values."""
+
+    def velocity(
+        self,
+        q: ArrayLike,
+        twists: ArrayLike,
+        least: ArrayLike,
+        most: ArrayLike,
+        turns: bool,
+        second_aim: object = None,
+        gain: float = 1.0,
+        threads: int | None = None,
+    ) -> NDArray[np.float64]:
+        """Return joint rates, shape (n, dof), for twists, shape (n, 6).
+
+        They lie between bounds, shape (n, dof); the turns count where `turns`.
+        """
+
     def with_motion_limits(self, limits: Mapping[str, tuple[float, float, float]]) -> Chain:
         """Return the chain with other limits of motion of the joints that are named."""
 
@@ -324,6 +346,9 @@ class Chain:
         clear: float | None = None,
         prefer: str | None = None,
         invalid: str | None = None,
+        second_aim: object = None,
+        nearest: int | bool | None = None,
+        joint_weights: ArrayLike | None = None,
     ) -> IkResult:
         """Solve a batch of targets; see `agrik_fast.Robot.ik`.
 
@@ -340,6 +365,7 @@ class Chain:
         position_tolerance: ArrayLike | None = None,
         orientation_tolerance: ArrayLike | None = None,
         tolerance_frame: str | None = None,
+        second_aim: object = None,
         max_change: ArrayLike | None = None,
         recipe: tuple[Any, ...] | None = None,
     ) -> TargetSolver:
@@ -357,7 +383,7 @@ class Chain:
         position_tolerance: ArrayLike | None = None,
         orientation_tolerance: ArrayLike | None = None,
         tolerance_frame: str | None = None,
-    ) -> tuple[IkResult, NDArray[np.bool_]]:
+    ) -> tuple[IkResult, NDArray[np.bool_], NDArray[np.float64]]:
         """Follow a sequence of targets; see `agrik_fast.Robot.follow`."""
 
     def cost_history(
@@ -748,6 +774,12 @@ class IkResult:
             `arm` is no Robot, or has another number of joints.
         MissingExtraError
             Matplotlib is not installed.
+
+        Examples
+        --------
+        >>> picture = ik.Robot.load("tomato").ik([[0.2, 0.1, 0.1]]).plot()
+        >>> len(picture.axes) > 0
+        True
         """
 
     def __bool__(self) -> bool:

@@ -11,10 +11,10 @@ from typing import ClassVar, Literal, TypeAlias
 
 import numpy as np
 
-from ._checks import direction, float_array
+from ._checks import direction, float_array, shown, word
 from .errors import ArgumentError
 
-__all__ = ["Axis", "Masked", "Pose", "Position", "PositionFirst", "Task"]
+__all__ = ["Axis", "Masked", "Pose", "Position", "PositionFirst", "SecondAim", "Task"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,3 +167,68 @@ class PositionFirst:
 
 Task: TypeAlias = Position | Pose | Axis | Masked | PositionFirst
 """Any task."""
+
+
+@dataclass(frozen=True, slots=True)
+class SecondAim:
+    """What the freedom is used for that a target leaves to an arm.
+
+    Of the postures that reach the target the best one nearby by a measure: answers are moved in
+    the null space of the task to a local optimum within the limits, and stay answers. Pass one
+    as `second_aim`, or its measure as a word.
+
+    Parameters
+    ----------
+    measure : {"near", "middle", "limits", "manipulability"}
+        "near": the least sum of ``w (q - posture)^2``. "middle": the least sum of
+        ``w ((q - middle) / half range)^2``; joints without limits count nothing. "limits": the
+        least sum of ``w (u - l)^2 / (4 (u - q) (q - l))``, which grows without bound at a limit
+        (Chan and Dubey 1995, eq. 8). "manipulability": the greatest ``det(J J^T)`` (Yoshikawa
+        1985), of the tool point, and of its turns too for full poses of six joints or more.
+    posture : array_like, shape (n,), rad or m, optional
+        For "near". Default: `q0`, or the middle of the limits without it.
+    weights : array_like, shape (n,), optional
+        Weight of each joint, 0 or more; not for "manipulability". Default: 1 each.
+
+    Raises
+    ------
+    ArgumentError
+        Numbers that are not finite or weights below 0; a posture for another measure than
+        "near"; weights for "manipulability".
+    UnknownNameError
+        An unknown measure.
+
+    Examples
+    --------
+    >>> SecondAim("near", posture=(0, 0.5, 0, -1.5, 0, 2, 0.7), weights=(1, 1, 1, 1, 0.1, 0.1, 0.1))
+    SecondAim('near')
+    """
+
+    MEASURES: ClassVar[tuple[str, ...]] = ("near", "middle", "limits", "manipulability")
+
+    measure: str
+    posture: tuple[float, ...] | None = None
+    weights: tuple[float, ...] | None = None
+
+    def __post_init__(self) -> None:
+        word("second_aim", self.measure, self.MEASURES)
+        for name in ("posture", "weights"):
+            value = getattr(self, name)
+            if value is not None:
+                place = f"SecondAim.{name}"
+                array = float_array(place, value)
+                if array.ndim != 1 or not np.isfinite(array).all():
+                    raise ArgumentError(place, shown(value), "finite numbers, one a joint")
+                object.__setattr__(self, name, tuple(array.tolist()))
+        if self.posture is not None and self.measure != "near":
+            raise ArgumentError("SecondAim.posture", "a posture", "none but for 'near'")
+        if self.weights is not None:
+            if self.measure == "manipulability":
+                raise ArgumentError("SecondAim.weights", "weights", "none for 'manipulability'")
+            if min(self.weights) < 0 or not any(self.weights):
+                raise ArgumentError(
+                    "SecondAim.weights", shown(self.weights), "numbers 0 or more, not all 0"
+                )
+
+    def __repr__(self) -> str:
+        return f"SecondAim({self.measure!r})"

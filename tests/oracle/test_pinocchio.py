@@ -134,3 +134,12 @@ def test_solutions_stand_up_to_the_oracle(case: Case, robot: ik.Robot) -> None:
     for target, q in zip(targets[result.success], result.q[result.success], strict=True):
         pose, _ = oracle.evaluate(q)
         np.testing.assert_allclose(pose, target, rtol=0, atol=1e-5)
+
+
+def test_its_poses_are_targets() -> None:
+    arm = ik.Robot.load("ur5")
+    poses = arm.fk(arm.random_q(20, seed=10))
+    objects = [pinocchio.SE3(pose) for pose in poses]
+    wanted = arm.ik(np.array([one.homogeneous for one in objects]))
+    np.testing.assert_array_equal(arm.ik(objects).q, wanted.q)
+    np.testing.assert_array_equal(arm.ik(objects[0]).q, arm.ik(objects[0].homogeneous).q)

@@ -48,14 +48,68 @@ def test_the_free_motion_is_kept_small(arm: ik.Robot) -> None:
     assert length[0] < length[1]
 
 
-def test_a_step_too_small_is_a_discontinuity(arm: ik.Robot) -> None:
+def test_a_path_too_fast_says_by_how_much(arm: ik.Robot) -> None:
     poses = line(arm, 40)
     path = arm.follow(poses, FROM, 0.001)
     assert path.success.all()
-    assert path.discontinuity.all()
+    assert not path.discontinuity.any()
+    assert path.too_fast[1:].all() and not path.too_fast[0]
+    np.testing.assert_allclose(path.speed[1:], abs(path.joint_step[1:]).max(1) / 0.001)
+    assert "too fast by" in repr(path)
     poses[20:] = poses[20:][::-1]
     path = arm.follow(poses, FROM, 0.2)
-    assert np.flatnonzero(path.discontinuity)[0] == 20
+    assert np.flatnonzero(path.too_fast | path.discontinuity)[0] == 20
+
+
+def test_a_jump_to_another_branch_is_a_discontinuity() -> None:
+    # The elbow has to turn over where its limit keeps it from doing so.
+    arm = ik.Robot.from_dh([[1, 0, 0, 0], [1, 0, 0, 0]], limits=[[-3, 3], [0.1, 2.5]])
+    turns = np.linspace(1.0, 4.2, 200)
+    points = np.stack([1.5 * np.cos(turns), 1.5 * np.sin(turns), 0 * turns], axis=1)
+    path = arm.follow(points, arm.ik(points[0]).q, max_joint_step=0.05)
+    assert path.discontinuity.any()
+
+
+@pytest.mark.parametrize("name", ["panda", "ur5", "puma560", "hydrolek", "redundant7", "xarm6"])
+def test_lines_in_joint_space_have_no_break(name: str) -> None:
+    robot = ik.Robot.load(name)
+    ends = robot.random_q(10, seed=12)
+    for begin, end in zip(ends[::2], ends[1::2], strict=True):
+        share = np.linspace(0, 1, 201)[1:, None]
+        poses = robot.fk(begin + share * (end - begin))
+        path = robot.follow(poses, begin, np.maximum(0.1, abs(end - begin) / 100))
+        assert path.success.all() and not path.discontinuity.any()
+
+
+def test_without_start_values_the_start_is_one_whose_path_holds() -> None:
+    robot = ik.Robot.load("ur5")
+    for seed in range(6):
+        begin, end = robot.fk(robot.random_q(2, seed=seed))
+        poses = np.tile(begin, (100, 1, 1))
+        way = 0.3 * (end[:3, 3] - begin[:3, 3])
+        poses[:, :3, 3] += np.linspace(0, 1, 100)[:, None] * way
+        if robot.follow(poses, max_joint_step=0.2).discontinuity.any():
+            for start in range(12):
+                first = robot.ik(poses[0], seed=start + 50)
+                other = robot.follow(poses, first.q, max_joint_step=0.2)
+                assert not first.success or other.discontinuity.any(), (seed, start)
+
+
+def test_the_first_row_is_not_flagged_for_its_distance(arm: ik.Robot) -> None:
+    path = arm.follow(line(arm, 20), FROM + 0.4, 0.1)
+    assert path.success[0] and not path.discontinuity[0]
+
+
+def test_start_values_a_hair_outside_are_taken() -> None:
+    robot = ik.Robot.load("panda")
+    q0 = robot.home.copy()
+    q0[3] = robot.upper[3]
+    poses = robot.fk(q0 - np.linspace(0, 0.2, 20)[:, None])
+    q0[3] += 1e-9
+    assert robot.follow(poses, q0, 0.1).success.all()
+    q0[3] += 0.1
+    with pytest.raises(ArgumentError, match=r"q0.*joint4.*within its limits"):
+        robot.follow(poses, q0, 0.1)
 
 
 def test_steps_may_differ_by_joint(arm: ik.Robot) -> None:
@@ -100,7 +154,7 @@ def test_continuous_joints_do_not_wind(load_robot: Any) -> None:
     [
         ({"max_joint_step": 0.0}, "`max_joint_step`: expected finite numbers above 0"),
         ({"max_joint_step": [0.1] * 3}, r"`max_joint_step`: expected shape \(7,\)"),
-        ({"q0": [9.0] * 7}, "`q0`: expected 7 finite numbers within the limits"),
+        ({"q0": [9.0] * 7}, "`q0`: expected joint 'q?1' within its limits"),
         ({"q0": [0.0] * 6}, r"`q0`: expected shape \(7,\)"),
         ({"pull": 1.5}, "`pull`: expected a number, 0 to 1"),
         ({"targets": np.eye(4)}, "`targets`: expected a sequence of targets"),

@@ -347,6 +347,7 @@ def test_statuses():
         ik.Status.IN_COLLISION,  # scenes
         *(ik.Status.JOINT_LIMITS, ik.Status.SINGULAR_FAMILY),  # all branches
         *(ik.Status.OVERDETERMINED, ik.Status.UNSUPPORTED),
+        ik.Status.HELD,  # control loops
     }
     assert set(result.status.tolist()) == set(ik.Status) - told_elsewhere
 

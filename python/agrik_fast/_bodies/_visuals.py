@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from xml.etree import ElementTree
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,10 @@ from ..errors import UrdfError
 from ._meshes import triangles_of
 from ._shapes import Box, Capsule, Sphere
 from ._surfaces import Triangles, cylinder, surface
-from ._urdf import Element, Tree, UrdfGeometry, length_of, numbers_of, origin_of
+from ._urdf import Tree, UrdfGeometry, length_of, numbers_of, origin_of
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
 
 Colour = tuple[float, float, float]
 
@@ -32,6 +35,8 @@ class Visual:
 
 def has_visuals(geometry: UrdfGeometry) -> bool:
     """Return whether a URDF says what its links look like."""
+    from xml.etree import ElementTree
+
     return any(ElementTree.fromstring(geometry.text).iterfind("link/visual/geometry"))
 
 
@@ -49,6 +54,8 @@ def visuals(geometry: UrdfGeometry, link_names: Sequence[str]) -> tuple[Visual, 
     UrdfError
         A mesh is missing or broken, a number is none.
     """
+    from xml.etree import ElementTree
+
     root = ElementTree.fromstring(geometry.text)
     tree = Tree(root, geometry.name)
     named = {str(one.get("name")): colour for one in root.findall("material")

@@ -430,6 +430,10 @@ def harvest(
     tilt_deg: _harvest_options.Tilt = 0.0,
     shift: _harvest_options.Shift = 0.0,
     min_distance: _harvest_options.MinDistance = 0.005,
+    base_link: _options.BaseLink = None,
+    tip_link: _options.TipLink = None,
+    tool: _options.Tool = None,
+    frame: _options.Frame = None,
     paths: Annotated[
         bool, typer.Option("--path", help="Plan the ways into the postures as well.")
     ] = False,
@@ -451,10 +455,12 @@ def harvest(
     fruit the way into its posture, proven free, or why there is none.
     """
     with exit_codes() as kept:
+        from ..jobs import RobotChoice
         from ._harvest import check_folder, evaluate, lines, settings_of
         from .progress import for_stream
 
         check_folder(output, force=force)
+        arm = RobotChoice(robot, base_link, tip_link, _options.tool(tool), frame)
         kept.what = lambda: f"files that were finished are in {output}"
         with for_stream(sys.stderr) as bar:
             done = 0
@@ -475,7 +481,7 @@ def harvest(
             )
             found = evaluate(
                 scene,
-                robot,
+                arm,
                 distance,
                 settings=settings,
                 blockers=blockers,

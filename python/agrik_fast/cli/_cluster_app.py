@@ -122,6 +122,10 @@ def harvest(
     tilt_deg: harvest_options.Tilt = 0.0,
     shift: harvest_options.Shift = 0.0,
     min_distance: harvest_options.MinDistance = 0.005,
+    base_link: _options.BaseLink = None,
+    tip_link: _options.TipLink = None,
+    tool: _options.Tool = None,
+    frame: _options.Frame = None,
 ) -> Job:
     """Decide for the fruits of many crops which can be picked: a row for each crop.
 
@@ -143,7 +147,8 @@ def harvest(
         shift=shift,
         min_distance=min_distance,
     )
-    job = CropsJob(load(robot), settings, distance, blockers=blockers)
+    arm = load(robot, base_link, tip_link, _options.tool(tool), frame)
+    job = CropsJob(arm, settings, distance, blockers=blockers)
     return partial(run, job=job)
 
 

@@ -11,7 +11,7 @@ from .._atomic import write_bytes
 from ..collision import Scene
 from ..errors import ArgumentError
 from ..harvest import Evaluation
-from ..robot import Robot
+from ..jobs import RobotChoice
 from ._options import numbers
 
 
@@ -36,7 +36,7 @@ def settings_of(
 
 def evaluate(
     scene: Path,
-    robot: str,
+    robot: RobotChoice,
     distance: str,
     *,
     settings: harvest.Settings,
@@ -53,7 +53,7 @@ def evaluate(
     """
     return harvest.evaluate(
         Scene.load(scene),
-        Robot.load(robot),
+        robot.load(),
         settings=settings,
         distance=distance,  # type: ignore[arg-type]
         blockers=blockers,

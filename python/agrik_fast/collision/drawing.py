@@ -49,6 +49,15 @@ def draw_scene(axes: Any, scene: Iterable[SceneObject], skip: Iterable[str] = ()
         Such as ``Scene.objects``.
     skip : iterable of str, optional
         Kinds of objects that are left out.
+
+    Examples
+    --------
+    >>> import matplotlib.figure
+    >>> from agrik_fast.collision import drawing
+    >>> axes = matplotlib.figure.Figure().add_subplot(projection="3d")
+    >>> drawing.draw_scene(axes, ik.harvest.example_scene().objects, skip=["machine"])
+    >>> len(axes.collections) > 0
+    True
     """
     left_out = set(skip)
     shown_ones = [one for one in scene if one.kind not in left_out]

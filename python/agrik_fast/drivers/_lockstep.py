@@ -34,6 +34,17 @@ class LockstepCamera:
         How old a picture is when it is handed out: exposure, reading, the driver's queue.
     frames : int, optional
         How many; without end by default.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import LockstepCamera, Simulator
+    >>> from agrik_fast.vision import paper_camera, random_scene
+    >>> with Simulator("tomato") as simulator:
+    ...     scene, pose = random_scene("clean", seed=1), np.eye(4)
+    ...     camera = paper_camera()
+    ...     frames = LockstepCamera(simulator, lambda _: scene, camera, pose, frames=2)
+    ...     print([picture.shape for time, picture in frames])
+    [(240, 320, 3), (240, 320, 3)]
     """
 
     def __init__(

@@ -69,6 +69,12 @@ class PointingStep:
         Processor time of the loop's parts.
     note : str
         Why it does not move.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import PointingStep
+    >>> PointingStep.__annotations__["gap"]
+    'float'
     """
 
     time: float
@@ -124,6 +130,15 @@ class PointingLoop:
     ------
     ArgumentError
         A number is out of its range.
+
+    Examples
+    --------
+    >>> from agrik_fast.drivers import PointingLoop, Simulator, TomatoRig
+    >>> from agrik_fast.vision import Detector, looking_at, paper_camera
+    >>> pose = looking_at([-0.1, 0.0, 0.14], [0.25, 0.0, 0.06])
+    >>> with TomatoRig(Simulator("tomato")) as rig:
+    ...     rig.home()
+    ...     loop = PointingLoop(rig, Detector(paper_camera()), pose, radius=0.03)
     """
 
     def __init__(
@@ -180,6 +195,17 @@ class PointingLoop:
         ------
         RigError
             The line or the board failed.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import PointingLoop, Simulator, TomatoRig
+        >>> from agrik_fast.vision import Detector, Scene, looking_at, paper_camera, render
+        >>> pose = looking_at([-0.1, 0.0, 0.14], [0.25, 0.0, 0.06])
+        >>> with TomatoRig(Simulator("tomato")) as rig:
+        ...     rig.home()
+        ...     loop = PointingLoop(rig, Detector(paper_camera()), pose, radius=0.03)
+        ...     print(loop.step(rig.status().clock, render(Scene()).image).state)
+        searching
         """
         begin = host_time.thread_time()
         found = [d for d in self.detector.detect(image) if d.status == DetectionStatus.OK]
@@ -249,6 +275,19 @@ class PointingLoop:
             The camera delivers nothing or stalls: the arm held, and its pulses are off.
         RigError
             The line or the board failed.
+
+        Examples
+        --------
+        >>> from agrik_fast.drivers import LockstepCamera, PointingLoop, Simulator, TomatoRig
+        >>> from agrik_fast.vision import Detector, Scene, looking_at, paper_camera
+        >>> simulator, pose = Simulator("tomato"), looking_at([-0.1, 0.0, 0.14], [0.25, 0.0, 0.06])
+        >>> with TomatoRig(simulator) as rig:
+        ...     rig.home()
+        ...     loop = PointingLoop(rig, Detector(paper_camera()), pose, radius=0.03)
+        ...     camera = paper_camera()
+        ...     eye = LockstepCamera(simulator, lambda _: Scene(), camera, pose, frames=3)
+        ...     print([step.state for step in loop.run(eye)])
+        ['searching', 'searching', 'searching']
         """
         if frames is not None:
             frames = whole_number("frames", frames, 0)

@@ -34,6 +34,12 @@ class Leg:
         Waypoints, between which it is straight in joint space.
     clearance : ndarray, shape (n - 1,), m
         Distance that is kept on each piece.
+
+    Examples
+    --------
+    >>> from agrik_fast.harvest import Leg
+    >>> Leg("approach", ik.Robot.load("cucumber"), ik.Scene([]), np.zeros((2, 7)), np.zeros(1)).name
+    'approach'
     """
 
     name: str
@@ -56,6 +62,14 @@ class Cycle:
         first two. Each begins where the one before ends.
     status : motion.PathStatus
         OK where all legs are there; else why the next one is not.
+
+    Examples
+    --------
+    >>> from agrik_fast import harvest
+    >>> arm = ik.Robot.load("cucumber")
+    >>> found = harvest.cycle(arm, harvest.example_scene(), "C4", arm.home)
+    >>> found.ok, found.status.name
+    (True, 'OK')
     """
 
     decision: Decision

@@ -20,7 +20,14 @@ __all__ = ["Checked", "Contact", "Outcome", "check", "check_segments"]
 
 
 class Outcome(IntEnum):
-    """What is known of a way."""
+    """What is known of a way.
+
+    Examples
+    --------
+    >>> from agrik_fast.motion import Outcome
+    >>> [each.name for each in Outcome][:2]
+    ['SAFE', 'HIT']
+    """
 
     SAFE = 0
     """It is free, and that is proven."""
@@ -44,6 +51,16 @@ class Contact:
         Of the two from each other; 0 or less in contact.
     points : ndarray, shape (2, 3), m
         Where they come nearest: the body's point and the other's.
+
+    Examples
+    --------
+    >>> from agrik_fast.motion import check
+    >>> from agrik_fast.collision import Capsule, SceneObject
+    >>> arm = ik.Robot.load("panda")
+    >>> scene = ik.Scene([SceneObject.of("post", Capsule([0.5, 0, 0], [0.5, 0, 1], 0.05))])
+    >>> start, goal = [-1, 0, 0, -1.5, 0, 1.5, 0], [1, 0, 0, -1.5, 0, 1.5, 0]
+    >>> check(arm, [start, goal], scene).contact.other
+    'post'
     """
 
     body: str
@@ -74,6 +91,14 @@ class Checked:
         What is too near there; None for safe pieces.
     within_limits : bool
         All joint values are within the limits, those between as well.
+
+    Examples
+    --------
+    >>> from agrik_fast.motion import check
+    >>> arm = ik.Robot.load("panda")
+    >>> start, goal = [-1, 0, 0, -1.5, 0, 1.5, 0], [1, 0, 0, -1.5, 0, 1.5, 0]
+    >>> check(arm, [start, goal], ik.Scene([])).safe
+    True
     """
 
     q: FloatArray

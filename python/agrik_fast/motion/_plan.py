@@ -21,7 +21,14 @@ __all__ = ["CutProof", "PathStatus", "Plan", "plan"]
 
 
 class PathStatus(IntEnum):
-    """What became of a plan, in the order in which reasons are looked for."""
+    """What became of a plan, in the order in which reasons are looked for.
+
+    Examples
+    --------
+    >>> from agrik_fast.motion import PathStatus
+    >>> [each.name for each in PathStatus][:1]
+    ['OK']
+    """
 
     OK = 0
     """There is a path, and it is proven free."""
@@ -72,6 +79,13 @@ class CutProof:
     start : ndarray, shape (3,), m
     goals : ndarray, shape (m, 3), m
         Where the ball is at the start, and at every goal that is free.
+
+    Examples
+    --------
+    >>> from agrik_fast.motion import CutProof
+    >>> proof = CutProof("gripper", 0.03, 0.02, np.zeros(3), 10, True, np.zeros(3), np.ones((1, 3)))
+    >>> proof.body
+    'gripper'
     """
 
     body: str
@@ -114,6 +128,15 @@ class Plan:
         What the start is too near to.
     proof : CutProof or None
         The proof that there is no path.
+
+    Examples
+    --------
+    >>> from agrik_fast.motion import plan
+    >>> arm = ik.Robot.load("panda")
+    >>> start, goal = [-1, 0, 0, -1.5, 0, 1.5, 0], [1, 0, 0, -1.5, 0, 1.5, 0]
+    >>> found = plan(arm, start, goal, ik.Scene([]))
+    >>> found.status.name, found.path.shape[1]
+    ('OK', 7)
     """
 
     status: PathStatus

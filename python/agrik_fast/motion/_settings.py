@@ -47,6 +47,12 @@ class Settings:
     ------
     ArgumentError
         A number out of its range.
+
+    Examples
+    --------
+    >>> from agrik_fast.motion import Settings
+    >>> Settings(clear=0.005, seed=3).n_goals
+    12
     """
 
     clear: float = 0.002

@@ -105,6 +105,13 @@ def reproduce_all(
     ------
     AgrikError
         A library of the extra ``papers`` is missing, a file cannot be written.
+
+    Examples
+    --------
+    >>> import inspect
+    >>> from agrik_fast import papers
+    >>> list(inspect.signature(papers.reproduce_all).parameters)
+    ['directory', 'report', 'done']
     """
     from ._index import write_index
 

@@ -30,7 +30,9 @@ from ._inverse import InverseKinematics
 from ._inverse import Prefer as Prefer
 from ._inverse import SceneOf as SceneOf
 from ._joint_path import JointPath
+from ._limits import JointLimits
 from ._lines import Lines
+from ._many import ik_many
 from ._motion_limits import MotionLimits
 from ._path import Path
 from ._plot import COLOURS as COLOURS
@@ -38,6 +40,7 @@ from ._plot import Drawing
 from ._surfaces import LOOKS as LOOKS
 from ._surfaces import Look as Look
 from ._surfaces import Surface
+from ._velocity import DifferentialKinematics
 
 __all__ = ["DhRow", "JointPath", "Path", "Robot", "Surface", "file_schema"]
 
@@ -61,12 +64,20 @@ def file_schema() -> dict[str, Any]:
     return RobotFile.model_json_schema()
 
 
-class Robot(InverseKinematics, CollisionBodies, MotionLimits, Lines, Drawing):
+class Robot(
+    InverseKinematics,
+    CollisionBodies,
+    MotionLimits,
+    JointLimits,
+    DifferentialKinematics,
+    Lines,
+    Drawing,
+):
     """A serial arm: joints with limits, a base and a tool transform.
 
     Make one with `Robot.load`, `Robot.from_dh` or `Robot.from_urdf`. A robot never
-    changes; `with_tool`, `with_base` and `in_frame` return new ones. Robots can be
-    pickled and used from several threads at once.
+    changes; `with_tool`, `with_base`, `with_limits`, `lock` and `in_frame` return new ones.
+    Robots can be pickled and used from several threads at once.
 
     All lengths are in metres, all angles in radians, all poses 4x4 transforms of the
     tool in the frame that the base transform leads to (short: the base frame).
@@ -281,9 +292,11 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits, Lines, Drawing):
             Path of the file, or the XML text itself (it holds a ``<``). Bytes and files are
             read in the encoding that they declare, a ``.xacro`` file is expanded first.
         base_link, tip_link : str, optional
-            First and last link of the chain. Default: the only root, and the end of the only
-            arm: a link named like tool0, tcp or flange, or what the last joint before a hand
-            carries. `notes` says what was chosen where there was a choice.
+            First and last link of the chain, any two of the tree: joints on the way up to the
+            link that both are below are gone through against their direction, their values
+            stay what they are. Default: the only root, and the end of the only arm: a link
+            named like tool0, tcp or flange, or what the last joint before a hand carries.
+            `notes` says what was chosen where there was a choice.
         cylinder : {"capsule", "convex", "cover"}, default "capsule"
             What a cylinder becomes for collisions: a capsule, which reaches out of it by its
             radius at both ends; a prism of 16 sides, by 1.96 % of it; the cover of its box.
@@ -326,6 +339,8 @@ class Robot(InverseKinematics, CollisionBodies, MotionLimits, Lines, Drawing):
         """
         solids = urdf_solids(cylinder, mesh, mesh_folders)
         return cls._of_urdf(_sources.find_urdf(path_or_text), base_link, tip_link, solids)
+
+    ik_many = staticmethod(ik_many)
 
     @staticmethod
     def names() -> tuple[str, ...]:

@@ -65,6 +65,10 @@ class Definition:
     notes: tuple[str, ...] = ()
     home: dict[str, float] = field(default_factory=dict)
     """Values of the home posture by joint, as far as they are said."""
+    limits: dict[str, tuple[float, float]] = field(default_factory=dict)
+    """Joint limits in place of those that the arguments have, by joint."""
+    locks: dict[str, float] = field(default_factory=dict)
+    """Values of joints that stand still."""
     motion: dict[str, tuple[float, float, float]] = field(default_factory=dict)
     """Velocity, acceleration and jerk limits by joint, as far as they are said."""
     bodies: tuple[Body, ...] = ()
@@ -81,7 +85,9 @@ class Definition:
     def build(self) -> _native.Chain:
         """Compile the chain."""
         chain = self._geometry()
-        return chain.with_motion_limits(self.motion) if self.motion else chain
+        chain = chain.with_motion_limits(self.motion) if self.motion else chain
+        chain = chain.with_limits(self.limits) if self.limits else chain
+        return chain.locked(self.locks) if self.locks else chain
 
     def _geometry(self) -> _native.Chain:
         if self.method == "from_urdf":
@@ -97,7 +103,14 @@ class Definition:
         import hashlib
         import json
 
-        parts = [self.method, self.arguments, self.base, self.tool, self.variable_order]
+        parts: list[object] = [
+            self.method,
+            self.arguments,
+            self.base,
+            self.tool,
+            self.variable_order,
+        ]
+        parts += [changed for changed in (self.limits, self.locks) if changed]
         return hashlib.sha256(json.dumps(parts, default=_plain).encode()).hexdigest()
 
     def replaced(self, **changes: Any) -> Definition:

@@ -8,8 +8,19 @@ from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, float_array, truth_value, whole_number, word
+from .._checks import (
+    FloatArray,
+    float_array,
+    real_number,
+    shown,
+    truth_value,
+    whole_number,
+    word,
+)
 from .._stream import solve_ahead
+from ..errors import ArgumentError
+from ._limits import JointLimits, with_limits_of_rows
+from ._many import in_base
 from ._path import Path
 from ._targets import Order, as_targets
 
@@ -17,7 +28,7 @@ if TYPE_CHECKING:
     from .._native import Chain, Collider, TargetSolver
     from ..result import Branches, Family, IkResult
     from ..solvers import DifferentialEvolution, GeneticAlgorithm, Solver
-    from ..tasks import Task
+    from ..tasks import SecondAim, Task
     from . import Robot
 
 __all__ = ["InverseKinematics"]
@@ -65,6 +76,11 @@ class InverseKinematics:
         clear: float = 0.0,
         prefer: Prefer = "first",
         invalid: Invalid = "mark",
+        second_aim: SecondAim | str | None = None,
+        nearest: bool | int = False,
+        joint_weights: ArrayLike | None = None,
+        limits: ArrayLike | None = None,
+        base: ArrayLike | None = None,
         order: Order | None = None,
     ) -> IkResult:
         """Inverse kinematics of a batch of targets.
@@ -131,6 +147,23 @@ class InverseKinematics:
             three or more decimals explains are straightened, with ``Warnings.STRAIGHTENED`` in
             ``warnings``; the others are ``Status.BAD_INPUT``. "straighten": also what is off by
             up to two per cent, as for `agrik_fast.rotations.straighten`. "raise": an error.
+        second_aim : SecondAim or {"near", "middle", "limits", "manipulability"}, optional
+            What the freedom that a target leaves is used for, see `agrik_fast.tasks.SecondAim`:
+            answers are moved to a local optimum and stay answers. Without one, and without
+            `q0`, answers of step solvers only keep off limits at which they need not stand.
+        nearest : bool or int, default False
+            Of all solutions the one with the least weighted sum of squared changes from `q0`,
+            which is needed. Of arms whose branches `ik_all` finds without a lock, of all of
+            them; of others from 32 starts (or the number given here), each moved to where it
+            is nearest. ``restarts`` counts the starts.
+        joint_weights : array_like, shape (n,), optional
+            What the change of each joint counts for `nearest`, 0 or more; default 1 each.
+        limits : array_like, shape (n, 2) or broadcastable to (..., n, 2), rad or m, optional
+            Smallest and largest joint values of this call, or of each target, in place of the
+            robot's; NaN keeps the robot's. A row whose lower limit is above the upper one is
+            ``Status.BAD_INPUT``.
+        base : array_like, shape broadcastable to (..., 4, 4), optional
+            Where the arm's base stands for each target, in place of `Robot.base`, m.
         order : {"xyz_xyzw", "xyz_wxyz", "xyzw_xyz", "wxyz_xyz"}, optional
             Order of the numbers of targets of shape (..., 7): place, m, and unit quaternion.
             Those whose length is off by less than 0.001 (for "straighten" 0.02) are rounded.
@@ -170,6 +203,32 @@ class InverseKinematics:
         """
         if order is not None or type(targets) is not np.ndarray:
             targets = as_targets(targets, order, word("invalid", invalid, INVALID))
+        if base is not None:
+            targets = in_base(self._chain.base, targets, base)
+        if limits is not None:
+            return with_limits_of_rows(
+                InverseKinematics.ik,
+                cast(JointLimits, self),
+                targets,
+                limits,
+                task=task,
+                solver=solver,
+                q0=q0,
+                seed=seed,
+                tool=tool,
+                threads=threads,
+                position_tolerance=position_tolerance,
+                orientation_tolerance=orientation_tolerance,
+                tolerance_frame=tolerance_frame,
+                first_index=first_index,
+                scene=scene,
+                clear=clear,
+                prefer=prefer,
+                invalid=invalid,
+                second_aim=second_aim,
+                nearest=nearest,
+                joint_weights=joint_weights,
+            )
         return self._chain.ik(
             targets,
             task,
@@ -186,6 +245,9 @@ class InverseKinematics:
             clear,
             word("prefer", prefer, PREFERENCES),
             word("invalid", invalid, INVALID),
+            second_aim,
+            nearest,
+            joint_weights,
         )
 
     def solver(
@@ -198,7 +260,9 @@ class InverseKinematics:
         position_tolerance: ArrayLike = 1e-6,
         orientation_tolerance: ArrayLike = 1e-6,
         tolerance_frame: Literal["base", "tool"] | None = None,
+        second_aim: SecondAim | str | None = None,
         max_change: ArrayLike | None = None,
+        rate_hz: float | None = None,
     ) -> TargetSolver:
         """Make a solver for one target at a time, for control loops.
 
@@ -212,12 +276,17 @@ class InverseKinematics:
             What counts as reached, see `agrik_fast.tasks`.
         solver, seed, tool, position_tolerance, orientation_tolerance, tolerance_frame
             As for `ik`; step solvers only.
+        second_aim : SecondAim or {"near", "middle", "limits", "manipulability"}, optional
+            As for `ik`; with `max_change` as far as each tick's bound allows.
         max_change : float or array_like, shape (n,), rad or m, optional
             Largest change of each joint from call to call, above 0: from `q0` of the call, or
             without it from the answer before. A target that is not reached within the bound has
             the status ``HELD``: the posture goes to the nearest one that reaches it, or, out of
             reach, that comes nearest to it, first by place, then by orientation. Without `q0`
             the first call is free, as `ik` is.
+        rate_hz : float, 1/s, optional
+            Calls a second, in place of `max_change`: a joint changes by no more than its
+            `velocity_limits` allow between two calls.
 
         Returns
         -------
@@ -227,7 +296,8 @@ class InverseKinematics:
         Raises
         ------
         ArgumentError
-            As for `ik`; a `max_change` that is not above 0.
+            As for `ik`; a `max_change` or `rate_hz` that is not above 0, both of them, or
+            `rate_hz` for a robot without velocity limits.
 
         Examples
         --------
@@ -245,8 +315,23 @@ class InverseKinematics:
         ('HELD', True)
         """
         tolerances = (position_tolerance, orientation_tolerance, tolerance_frame)
-        recipe = (_solver, (self, task, solver, seed, tool, *tolerances, max_change))
-        return self._chain.solver(task, solver, seed, tool, *tolerances, max_change, recipe)
+        if rate_hz is not None:
+            if max_change is not None:
+                raise ArgumentError("rate_hz", shown(rate_hz), "none beside max_change")
+            max_change = self._change_of_a_call(real_number("rate_hz", rate_hz, 0, open_low=True))
+        recipe = (_solver, (self, task, solver, seed, tool, *tolerances, second_aim, max_change))
+        return self._chain.solver(
+            task, solver, seed, tool, *tolerances, second_aim, max_change, recipe
+        )
+
+    def _change_of_a_call(self, rate_hz: float) -> FloatArray:
+        """Return what velocity limits allow from call to call."""
+        fastest: FloatArray = self._chain.motion_limits[0]
+        if not np.isfinite(fastest).all():
+            joint = self._chain.joint_names[int(np.argmin(np.isfinite(fastest)))]
+            expected = "a robot with velocity limits, such as arm.with_motion_limits(velocity=1)"
+            raise ArgumentError("rate_hz", f"no velocity limit of joint {joint!r}", expected)
+        return fastest / rate_hz
 
     def follow(
         self,
@@ -268,8 +353,12 @@ class InverseKinematics:
         Each target is solved by the default step solver from the posture before, inside
         limits that leave every joint no more than one step. The freedom that a redundant
         arm has is used to stay near the posture before. If that fails, other postures
-        within the step are tried; if none leads to the target, the nearest posture that a
-        search of the whole range finds is taken and reported as a discontinuity.
+        within the step are tried. Where the way from the target before goes on, but needs more
+        than a step, it is taken: ``speed`` says by how much it is too fast. Else the path is
+        followed backward from up to 16 postures of the target (of 48 starts), until it meets
+        the one taken so far, or, without `q0`, its free start: so the start is the one whose
+        path holds. If none does, the nearest posture that a search of the whole range finds is
+        taken and reported as a discontinuity.
 
         Parameters
         ----------
@@ -277,8 +366,9 @@ class InverseKinematics:
             Poses of the tool, or positions of the tool point, one after the other, base frame;
             m. Of any kind that `ik` takes.
         q0 : array_like, shape (dof,), rad or m, optional
-            Where the arm stands before the first target, within the limits. Without it the
-            first posture is free.
+            Where the arm stands before the first target, within the limits or outside by no
+            more than 1e-3. The first posture is the nearest to it that is found, however far.
+            Without it the first posture is free.
         max_joint_step : float or array_like, shape (dof,), rad or m, default 0.1
             Largest change of each joint from one target to the next.
         task, tool, position_tolerance, orientation_tolerance, tolerance_frame : optional
@@ -314,7 +404,7 @@ class InverseKinematics:
         """
         if order is not None or type(targets) is not np.ndarray:
             targets = as_targets(targets, order, "mark")
-        result, jumps = self._chain.follow(
+        result, jumps, speed = self._chain.follow(
             targets,
             max_joint_step,
             q0,
@@ -340,6 +430,7 @@ class InverseKinematics:
             iterations=result.iterations,
             discontinuity=jumps,
             joint_step=steps,
+            speed=speed,
         )
 
     def cost_history(
@@ -613,6 +704,9 @@ class InverseKinematics:
         clear: float = 0.0,
         prefer: Prefer = "first",
         invalid: Invalid = "mark",
+        second_aim: SecondAim | str | None = None,
+        nearest: bool | int = False,
+        joint_weights: ArrayLike | None = None,
         order: Order | None = None,
     ) -> Iterator[IkResult]:
         """Inverse kinematics of a stream of chunks, for more targets than memory holds.
@@ -626,6 +720,8 @@ class InverseKinematics:
         chunks : iterable of array_like, each of shape (..., 4, 4), (..., 3) or (..., 7)
             Targets as for `ik`; some tens of thousands in a chunk keep all cores busy.
         task, solver, seed, tool, threads, scene, clear, prefer, invalid, order : optional
+            As for `ik`, the same for all chunks.
+        second_aim, nearest, joint_weights : optional
             As for `ik`, the same for all chunks.
         position_tolerance, orientation_tolerance, tolerance_frame : optional
             As for `ik`, the same for all chunks.
@@ -671,6 +767,9 @@ class InverseKinematics:
                 clear=clear,
                 prefer=prefer,
                 invalid=invalid,
+                second_aim=second_aim,
+                nearest=nearest,
+                joint_weights=joint_weights,
                 order=order,
             )
 
@@ -692,6 +791,7 @@ def _solver(
     position_tolerance: ArrayLike,
     orientation_tolerance: ArrayLike,
     tolerance_frame: Literal["base", "tool"] | None,
+    second_aim: SecondAim | str | None = None,
     max_change: ArrayLike | None = None,
 ) -> TargetSolver:
     """Make a solver again, as its pickle says."""
@@ -703,5 +803,6 @@ def _solver(
         position_tolerance=position_tolerance,
         orientation_tolerance=orientation_tolerance,
         tolerance_frame=tolerance_frame,
+        second_aim=second_aim,
         max_change=max_change,
     )

@@ -250,7 +250,7 @@ class Lines:
     ) -> JointPath:
         targets = poses[:, :3, 3] if task == "position" else poses
         found = self.follow(targets, start, max_joint_step, task)
-        bad = ~found.success | found.discontinuity
+        bad = ~found.success | found.discontinuity | found.too_fast
         reached = int(np.argmax(bad)) if bad.any() else len(bad)
         return JointPath(
             np.vstack([start, found.q[:reached]]),

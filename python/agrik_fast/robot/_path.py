@@ -30,9 +30,13 @@ class Path:
         Steps taken.
     discontinuity : ndarray of bool, shape (n,)
         True where no continuation was found: the posture lies farther from the one before
-        than a joint step, or the target was not reached at all.
+        than a joint step and no way between the targets leads there, or the target was not
+        reached at all. Never for the distance of the first row to `q0`.
     joint_step : ndarray, shape (n, dof), rad or m
         Change of each joint from the posture before; 0 in the first row without a start.
+    speed : ndarray, shape (n,)
+        The largest share of its step that a joint took from the posture before: above 1 where
+        the path is too fast by that factor. 0 in the first row.
 
     Examples
     --------
@@ -51,10 +55,19 @@ class Path:
     iterations: NDArray[np.uint32]
     discontinuity: NDArray[np.bool_]
     joint_step: FloatArray
+    speed: FloatArray
+
+    @property
+    def too_fast(self) -> NDArray[np.bool_]:
+        """Rows to which the path goes on, but faster than `max_joint_step`, shape (n,)."""
+        too_fast: NDArray[np.bool_] = (self.speed > 1 + 1e-9) & ~self.discontinuity
+        return too_fast
 
     def __repr__(self) -> str:
         count = len(self.q)
+        fast = self.too_fast
+        said = f", too fast by {self.speed[fast].max():.3g}" if fast.any() else ""
         return (
             f"Path({count} target{'' if count == 1 else 's'}: {int(self.success.sum())} reached, "
-            f"{int(self.discontinuity.sum())} discontinuities)"
+            f"{int(self.discontinuity.sum())} discontinuities{said})"
         )

@@ -70,6 +70,12 @@ def from_boxes(boxes: ArrayLike, camera: Camera, *, trusted: bool = False) -> li
     ------
     ArgumentError
         Another shape, or a box that is none.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import from_boxes, paper_camera
+    >>> [found.status.name for found in from_boxes([[100, 80, 140, 120]], paper_camera())]
+    ['WEAK']
     """
     rows = float_array("boxes", boxes)
     of_kind("camera", camera, Camera)
@@ -118,6 +124,14 @@ class LongFruit:
         On the middle line, at a share of the length below the top.
     length, radius : float, m
         Of the fruit; the radius is half its width in the picture.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import LongFruit
+    >>> up = np.array([0.0, -1.0, 0.0])
+    >>> fruit = LongFruit(up, 0.1 * up, -0.1 * up, 0.05 * up, length=0.2, radius=0.02)
+    >>> fruit.length
+    0.2
     """
 
     axis: FloatArray
@@ -153,6 +167,15 @@ def long_fruit(
     ------
     ArgumentError
         Another shape, too few pixels with depth, or something that is not long.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Camera, long_fruit
+    >>> mask = np.zeros((240, 320), dtype=bool)
+    >>> mask[60:180, 150:170] = True
+    >>> found = long_fruit(mask, np.full((240, 320), 0.5), Camera.of_view(320, 240, 60.0))
+    >>> bool(found.length > found.radius)
+    True
     """
     of_kind("camera", camera, Camera)
     shape = (camera.height, camera.width)

@@ -33,6 +33,12 @@ class Board:
         Squares.
     square, marker : float, default 0.030 and 0.022, m
         Sides of a square and of the marker in it.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Board
+    >>> Board(columns=7, rows=5).square
+    0.03
     """
 
     columns: int = 7
@@ -53,13 +59,27 @@ class Board:
             raise ArgumentError("Board.columns", f"{self.columns} x {self.rows}", "50 markers")
 
     def made(self) -> Any:
-        """Return OpenCV's board."""
+        """Return OpenCV's board.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Board
+        >>> Board().made().getChessboardSize()
+        (7, 5)
+        """
         aruco = opencv().aruco
         dictionary = aruco.getPredefinedDictionary(aruco.DICT_4X4_50)
         return aruco.CharucoBoard((self.columns, self.rows), self.square, self.marker, dictionary)
 
     def picture(self, pixels: int = 60) -> Image:
-        """Return the board to be printed, with so many pixels to a square and no margin."""
+        """Return the board to be printed, with so many pixels to a square and no margin.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Board
+        >>> Board().picture(20).shape
+        (100, 140, 3)
+        """
         pixels = whole_number("pixels", pixels, 10, 2000)
         grey = self.made().generateImage((self.columns * pixels, self.rows * pixels))
         return np.ascontiguousarray(np.repeat(grey[..., None], 3, axis=2))
@@ -79,6 +99,13 @@ class CameraCalibration:
         Of the corners in views that it was not fitted to.
     used, held_back, skipped : tuple of int
         Numbers of the views; skipped are those with fewer than 8 corners.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import CameraCalibration, paper_camera
+    >>> found = CameraCalibration(paper_camera(), 0.2, 0.2, 0.6, (0, 1), (2,), ())
+    >>> found.rms
+    0.2
     """
 
     camera: Camera
@@ -120,6 +147,15 @@ def calibrate(images: Iterable[Image], board: Board | None = None) -> CameraCali
         One is no picture, or of another size than the first.
     CalibrationRefusedError
         Fewer than 8 views with 8 corners or more, beside those that are held back.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import CalibrationRefusedError, calibrate
+    >>> try:
+    ...     calibrate([])
+    ... except CalibrationRefusedError as error:
+    ...     print(type(error).__name__)
+    CalibrationRefusedError
     """
     cv2 = opencv()
     board = Board() if board is None else of_kind("board", board, Board)
@@ -211,6 +247,16 @@ def board_pose(image: Image, camera: Camera, board: Board | None = None) -> Floa
         It is no picture of this camera.
     CalibrationRefusedError
         Fewer than 8 corners are seen.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Board, Camera, board_pose
+    >>> camera, board = Camera.of_view(640, 480, 60.0), Board()
+    >>> picture = np.full((480, 640, 3), 128, dtype=np.uint8)
+    >>> printed = board.picture(60)
+    >>> picture[60 : 60 + printed.shape[0], 90 : 90 + printed.shape[1]] = printed
+    >>> board_pose(picture, camera, board).shape
+    (4, 4)
     """
     picture = checked_image("image", image)
     of_kind("camera", camera, Camera)

@@ -81,6 +81,12 @@ class Camera:
             Pixels.
         degrees : float, degrees
             Angle between the left and the right border.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Camera
+        >>> Camera.of_view(320, 240, 60.0).width
+        320
         """
         whole_number("width", width, SMALLEST, 20000)
         degrees = real_number("degrees", degrees, 1, 170)
@@ -97,6 +103,13 @@ class Camera:
         ------
         ArgumentError
             K has skew or no last row (0, 0, 1).
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Camera
+        >>> K = [[300.0, 0.0, 159.5], [0.0, 300.0, 119.5], [0.0, 0.0, 1.0]]
+        >>> float(Camera.from_matrix(320, 240, K).fx)
+        300.0
         """
         k = finite_array("matrix", matrix, (3, 3))
         if k[0, 1] or k[1, 0] or k[2].tolist() != [0, 0, 1]:
@@ -130,6 +143,12 @@ class Camera:
         ------
         ArgumentError
             The two factors differ.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import paper_camera
+        >>> paper_camera(640).scaled(320, 240).width
+        320
         """
         width = whole_number("width", width, SMALLEST, 20000)
         height = whole_number("height", height, SMALLEST, 20000)
@@ -151,6 +170,13 @@ class Camera:
         ------
         VisionFileError
             It cannot be read, or a number is missing or out of its range.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Camera, paper_camera
+        >>> paper_camera().save("camera.json")
+        >>> Camera.load("camera.json") == paper_camera()
+        True
         """
         name = checked_path("file", file)
         try:
@@ -179,6 +205,13 @@ class Camera:
         ------
         VisionFileError
             It cannot be written.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Camera, paper_camera
+        >>> paper_camera().save("small.json")
+        >>> Camera.load("small.json").height
+        240
         """
         content = {key: getattr(self, key) for key in _KEYS}
         content["distortion"] = list(self.distortion)
@@ -203,6 +236,12 @@ class Camera:
         -------
         ndarray, shape (..., 3)
             Unit vectors in the camera's frame.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Camera
+        >>> Camera.of_view(320, 240, 60.0).rays([[159.5, 119.5]]).tolist()
+        [[0.0, 0.0, 1.0]]
         """
         uv = float_array("pixels", pixels)
         if not uv.ndim or uv.shape[-1] != 2:
@@ -233,6 +272,12 @@ class Camera:
         -------
         ndarray, shape (..., 2)
             Column and row; they may lie outside the picture.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Camera
+        >>> Camera.of_view(320, 240, 60.0).project([[0.0, 0.0, 1.0]]).tolist()
+        [[159.5, 119.5]]
         """
         p = float_array("points", points)
         if not p.ndim or p.shape[-1] != 3:
@@ -253,6 +298,12 @@ class Camera:
         -------
         ndarray, shape (samples * height, samples * width, 3)
             Read only: kept for the next call.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Camera
+        >>> Camera.of_view(32, 24, 60.0).grid_rays().shape
+        (24, 32, 3)
         """
         return _grid_rays(self, whole_number("samples", samples, 1, 8))
 

@@ -36,13 +36,28 @@ class Cone:
         Unit vector towards the sphere's centre.
     alpha : float, rad
         Half angle.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Cone
+    >>> cone = Cone(axis=np.array([0.0, 0.0, 1.0]), alpha=0.1)
+    >>> cone.alpha
+    0.1
     """
 
     axis: FloatArray
     alpha: float
 
     def off(self, rays: FloatArray) -> FloatArray:
-        """Return by how much rays are outside, rad; negative inside."""
+        """Return by how much rays are outside, rad; negative inside.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Cone
+        >>> cone = Cone(axis=np.array([0.0, 0.0, 1.0]), alpha=0.1)
+        >>> cone.off(np.array([[0.0, 0.0, 1.0]])).round(6).tolist()
+        [-0.1]
+        """
         return np.asarray(np.arccos(np.clip(rays @ self.axis, -1, 1)) - self.alpha)
 
 

@@ -21,6 +21,12 @@ class CameraError(AgrikError, RuntimeError):
     ----------
     camera, reason
         The parameters.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import CameraError
+    >>> issubclass(CameraError, ik.AgrikError)
+    True
     """
 
     camera: str
@@ -36,7 +42,14 @@ class CameraError(AgrikError, RuntimeError):
 
 
 class CalibrationRefusedError(AgrikError, ValueError):
-    """Views, poses or points do not determine what is to be calibrated."""
+    """Views, poses or points do not determine what is to be calibrated.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import CalibrationRefusedError
+    >>> issubclass(CalibrationRefusedError, ik.AgrikError)
+    True
+    """
 
 
 class VisionFileError(AgrikError, ValueError):
@@ -53,6 +66,15 @@ class VisionFileError(AgrikError, ValueError):
     ----------
     file, reason
         The parameters.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import VisionFileError, read_image
+    >>> try:
+    ...     read_image("nowhere.png")
+    ... except VisionFileError as error:
+    ...     print(type(error).__name__)
+    VisionFileError
     """
 
     file: str

@@ -32,6 +32,13 @@ class CameraPose:
         The same, or root mean square of the points' distances.
     worst : float, m
         The largest of them.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import eye_to_hand
+    >>> points = np.random.default_rng(1).uniform(size=(6, 3))
+    >>> bool(eye_to_hand(points, points).worst < 1e-9)
+    True
     """
 
     pose: FloatArray
@@ -101,6 +108,15 @@ def hand_eye(gripper: ArrayLike, board: ArrayLike) -> CameraPose:
     CalibrationRefusedError
         Fewer than 3 poses, or all rotations are about parallel axes: then nothing tells where the
         camera is along them. The tomato arm's shoulder and elbow are so: use `eye_to_hand`.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import hand_eye
+    >>> turns = np.random.default_rng(1).uniform(-0.5, 0.5, size=(6, 3))
+    >>> gripper = ik.rotations.pose(0.2 * turns, axis_angle=turns)
+    >>> board = np.linalg.inv(gripper) @ ik.rotations.pose([0.5, 0.0, 0.0])
+    >>> hand_eye(gripper, board).pose.round(6).tolist() == np.eye(4).tolist()
+    True
     """
     g, c = _poses("gripper", gripper), _poses("board", board)
     if len(g) != len(c):
@@ -157,6 +173,13 @@ def eye_to_hand(camera: ArrayLike, base: ArrayLike) -> CameraPose:
         Shapes differ or are others.
     CalibrationRefusedError
         Fewer than 6 points, or all on a line.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import eye_to_hand
+    >>> points = np.random.default_rng(1).uniform(size=(6, 3))
+    >>> eye_to_hand(points, points + [0.1, 0.0, 0.0]).pose[:3, 3].round(6).tolist()
+    [0.1, -0.0, 0.0]
     """
     seen, touched = float_array("camera", camera), float_array("base", base)
     for name, value in (("camera", seen), ("base", touched)):

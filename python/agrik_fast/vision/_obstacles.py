@@ -42,6 +42,13 @@ class Obstacle:
         Of all of them.
     covering : float, m
         How far what was seen is from the nearest centre, at most.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Obstacle
+    >>> one = Obstacle("leaf", "leaf", np.zeros((1, 3)), 0.01, 0.005)
+    >>> one.radius
+    0.01
     """
 
     name: str
@@ -51,7 +58,15 @@ class Obstacle:
     covering: float
 
     def row(self) -> dict[str, Any]:
-        """Return the object of a scene document."""
+        """Return the object of a scene document.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Obstacle
+        >>> one = Obstacle("leaf", "leaf", np.zeros((1, 3)), 0.01, 0.005)
+        >>> one.row()["name"]
+        'leaf'
+        """
         return {
             "name": self.name,
             "kind": self.kind,
@@ -89,6 +104,14 @@ def balls_that_cover(
     -------
     centres : ndarray, shape (k, 3), m
     radius, covering : float, m
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import balls_that_cover
+    >>> points = np.random.default_rng(1).uniform(size=(50, 3)) * 0.05
+    >>> centres, radius, covering = balls_that_cover(points)
+    >>> centres.shape[1], radius > covering / 2
+    (3, True)
     """
     cloud = float_array("points", points)
     if cloud.ndim != 2 or cloud.shape[1] != 3 or not len(cloud) or not np.isfinite(cloud).all():
@@ -126,6 +149,14 @@ def green_masks(
         Least saturation: a wall is paler than leaves.
     step : float, default 0.012, m
         A jump between neighbouring pixels that parts two leaves.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import green_masks
+    >>> picture = np.zeros((40, 40, 3), dtype=np.uint8)
+    >>> picture[5:35, 5:35] = (0, 200, 0)
+    >>> len(green_masks(picture, np.full((40, 40), 0.5)))
+    1
     """
     cv2 = opencv()
     picture = checked_image("image", image)
@@ -182,6 +213,18 @@ def fruit_radius(found: Detection, points: ArrayLike) -> float:
         The fruit.
     points : array_like, shape (n, 3), m
         Of its pixels, in the camera's frame.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Detector, Fruit, Scene, fruit_radius, paper_camera, render
+    >>> camera = paper_camera()
+    >>> picture = render(Scene((Fruit((0, 0, 0.35), 0.03),)))
+    >>> best = Detector(camera).detect(picture.image)[0]
+    >>> seen = picture.labels == 0
+    >>> points = camera.grid_rays()[seen]
+    >>> points = points / points[:, 2:] * picture.depth[seen][:, None]
+    >>> abs(fruit_radius(best, points) - 0.03) < 0.003
+    True
     """
     of_kind("found", found, Detection)
     cloud = float_array("points", points)
@@ -234,6 +277,15 @@ def obstacles(
     ------
     ArgumentError
         A mask or the depth has another shape than the camera's pictures.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Camera, obstacles
+    >>> camera, depth = Camera.of_view(32, 24, 60.0), np.full((24, 32), 0.5)
+    >>> mask = np.zeros((24, 32), dtype=bool)
+    >>> mask[5:10, 5:10] = True
+    >>> len(obstacles(camera, depth, {"leaf": mask})["objects"])
+    0
     """
     of_kind("camera", camera, Camera)
     shape = (camera.height, camera.width)

@@ -59,6 +59,12 @@ def detection_row(
         What was found.
     radius : float, m, or None
         The fruits' radius; places are left empty without one.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import detection_row
+    >>> "not_found" in detection_row("empty.png", 0, None, 0.03)
+    True
     """
     image, number = text("image", image), whole_number("number", number, 0)
     if radius is not None:
@@ -93,6 +99,14 @@ def annotated(image: Image, camera: Camera, found: Sequence[Detection]) -> Image
         Who took it.
     found : sequence of Detection
         What to draw.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Detector, annotated, paper_camera, random_scene, render
+    >>> camera, picture = paper_camera(), render(random_scene("clean", seed=1))
+    >>> found = Detector(camera).detect(picture.image)
+    >>> annotated(picture.image, camera, found).shape
+    (240, 320, 3)
     """
     cv2 = opencv()
     picture: Image = checked_image("image", image).copy()
@@ -122,6 +136,12 @@ def write_image(file: str | Path, image: Image) -> Path:
     ------
     VisionFileError
         It cannot be written.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import write_image
+    >>> write_image("white.png", np.full((16, 16, 3), 255, dtype=np.uint8)).name
+    'white.png'
     """
     cv2 = opencv()
     path = checked_path("file", file)

@@ -35,6 +35,15 @@ class Plane:
         From (x/z, y/z) of rays to metres on the plane.
     residual_mean, residual_p95 : float, m
         How far the points that it was fitted to are off it.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Camera, Plane
+    >>> corners = [[x, y] for x in (-0.1, 0.0, 0.1) for y in (-0.1, 0.0, 0.1)]
+    >>> camera = Camera.of_view(320, 240, 60.0)
+    >>> pixels = camera.project(np.column_stack([corners, np.full(9, 0.5)]))
+    >>> bool(Plane.fit(camera, pixels, corners).residual_mean < 1e-6)
+    True
     """
 
     camera: Camera
@@ -61,6 +70,15 @@ class Plane:
             Shapes differ or are others.
         CalibrationRefusedError
             Fewer than 9 points, or all on a line.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Camera, Plane
+        >>> corners = [[x, y] for x in (-0.1, 0.0, 0.1) for y in (-0.1, 0.0, 0.1)]
+        >>> camera = Camera.of_view(320, 240, 60.0)
+        >>> pixels = camera.project(np.column_stack([corners, np.full(9, 0.5)]))
+        >>> Plane.fit(camera, pixels, corners).matrix.shape
+        (3, 3)
         """
         of_kind("camera", camera, Camera)
         uv, xy = float_array("pixels", pixels), float_array("points", points)
@@ -86,7 +104,17 @@ class Plane:
         return cls(camera, fitted.matrix, float(off.mean()), float(np.percentile(off, 95)))
 
     def points(self, pixels: ArrayLike) -> FloatArray:
-        """Return where pixels are on the plane, shape (..., 2), m."""
+        """Return where pixels are on the plane, shape (..., 2), m.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Camera, Plane
+        >>> corners = [[x, y] for x in (-0.1, 0.0, 0.1) for y in (-0.1, 0.0, 0.1)]
+        >>> camera = Camera.of_view(320, 240, 60.0)
+        >>> pixels = camera.project(np.column_stack([corners, np.full(9, 0.5)]))
+        >>> np.allclose(Plane.fit(camera, pixels, corners).points(pixels), corners, atol=1e-6)
+        True
+        """
         flat = _flat(self.camera, float_array("pixels", pixels))
         ones = np.ones((*flat.shape[:-1], 1))
         found = np.concatenate([flat, ones], axis=-1) @ self.matrix.T
@@ -113,6 +141,14 @@ def red_squares(image: Image) -> FloatArray:
     -------
     ndarray, shape (n, 2), pixels
         Column and row.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import red_squares
+    >>> picture = np.full((80, 80, 3), 255, dtype=np.uint8)
+    >>> picture[30:50, 20:40] = (0, 0, 255)
+    >>> red_squares(picture).round(1).tolist()
+    [[29.5, 39.5]]
     """
     cv2 = opencv()
     mask = red_mask(image)

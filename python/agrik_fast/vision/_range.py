@@ -76,6 +76,13 @@ class StandOff(NamedTuple):
         A point 40 mm or more before the surface, and the last one.
     gap : float, m
         From the surface to the last point: 10 mm, or three standard deviations of the distance.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import StandOff
+    >>> found = StandOff(np.zeros(3), np.ones(3), 0.01)
+    >>> found.gap
+    0.01
     """
 
     first: FloatArray
@@ -143,6 +150,12 @@ class Budget:
         Root of the sum of their squares.
     percent : float
         The total in percent of the distance.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Budget
+    >>> Budget(terms={"pixels": 0.001}, total=0.001, percent=0.5).total
+    0.001
     """
 
     terms: Mapping[str, float]

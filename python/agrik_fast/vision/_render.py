@@ -56,6 +56,13 @@ class FruitTruth:
         Half angle of the cone in which a sphere of this radius is seen.
     visible : float
         Share of its disc that is in the picture with nothing before it.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Fruit, Scene, render
+    >>> picture = render(Scene((Fruit((0, 0, 0.35), 0.03),)))
+    >>> picture.fruits[0].centre.tolist()
+    [0.0, 0.0, 0.35]
     """
 
     centre: FloatArray
@@ -84,6 +91,13 @@ class Rendering:
         after them, and nothing is -1.
     names : tuple of str
         fruit0, ..., leaf0, ..., patch0, ..., wall: a name for every label.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import random_scene, render
+    >>> picture = render(random_scene("clean", seed=1))
+    >>> picture.image.shape == (*picture.depth.shape, 3)
+    True
     """
 
     image: Image

@@ -61,6 +61,12 @@ class Fruit:
         Whether the detector ought to find it.
     texture : float, default 0.0
         Share by which the colour varies over the skin.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Fruit
+    >>> Fruit((0, 0, 0.35), 0.03, flattening=0.8).red
+    True
     """
 
     centre: _Triple
@@ -92,6 +98,12 @@ class Leaf:
         Whole.
     colour : tuple of 3 floats
         Blue, green, red, 0 to 255.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Leaf
+    >>> Leaf((0, 0, 0.3), along=(1, 0, 0), normal=(0, 0, -1)).length
+    0.07
     """
 
     centre: _Triple
@@ -126,6 +138,12 @@ class Patch:
         Blue, green, red, 0 to 255.
     picture : ndarray, shape (h, w, 3), uint8, optional
         Instead of the colour.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Patch
+    >>> Patch((0, 0, 0.5), (1, 0, 0), (0, 0, -1), width=0.2, height=0.1).width
+    0.2
     """
 
     centre: _Triple
@@ -157,6 +175,12 @@ class Wall:
         A point of it, and where it faces.
     colour : tuple of 3 floats
         Blue, green, red, 0 to 255.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Wall
+    >>> Wall(point=(0, 0, 0.8)).normal
+    (0.0, 0.0, -1.0)
     """
 
     point: _Triple = (0.0, 0.0, 0.6)
@@ -190,6 +214,12 @@ class Look:
         Standard deviation s; the variance is s^2 + 0.05 I.
     blur : float, pixels
         Standard deviation.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Look
+    >>> Look(noise=4.0).blur
+    0.6
     """
 
     light: _Triple = (0.15, -0.75, -0.65)
@@ -226,6 +256,12 @@ class Scene:
         Light and camera.
     seed : int
         Of the texture and the noise.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Fruit, Scene
+    >>> len(Scene((Fruit((0, 0, 0.35), 0.03),)).fruits)
+    1
     """
 
     fruits: tuple[Fruit, ...] = ()
@@ -243,6 +279,12 @@ def paper_camera(width: int = 320) -> Camera:
     ----------
     width : {320, 640}
         The two sizes of the tomato paper.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import paper_camera
+    >>> paper_camera().width, paper_camera(640).width
+    (320, 640)
     """
     if whole_number("width", width, 320, 640) not in (320, 640):
         raise ArgumentError("width", repr(width), "320 or 640")

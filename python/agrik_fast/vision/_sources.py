@@ -38,6 +38,13 @@ def read_image(file: str | Path) -> Image:
     ------
     VisionFileError
         It is not there, or no picture.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import read_image, write_image
+    >>> _ = write_image("red.png", np.full((16, 16, 3), 255, dtype=np.uint8))
+    >>> read_image("red.png").shape
+    (16, 16, 3)
     """
     name = checked_path("file", file)
     try:
@@ -70,6 +77,13 @@ def files(paths: Iterable[str | Path], rate: float = 30.0) -> Iterator[Frame]:
         There are none.
     VisionFileError
         A file is no picture.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import files, random_scene, render, write_image
+    >>> _ = write_image("one.png", render(random_scene("clean", seed=1)).image)
+    >>> [picture.shape for time, picture in files(["one.png"])]
+    [(240, 320, 3)]
     """
     given = items("paths", paths, "names of files")
     rate = real_number("rate", rate, 0, open_low=True, unit="1/s")
@@ -91,6 +105,15 @@ def folder_images(path: str | Path) -> list[Path]:
     ------
     CameraError
         It is no folder, or holds no picture.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import folder_images, random_scene, render, write_image
+    >>> from pathlib import Path
+    >>> Path("pictures").mkdir()
+    >>> _ = write_image("pictures/one.png", render(random_scene("clean", seed=1)).image)
+    >>> [path.name for path in folder_images("pictures")]
+    ['one.png']
     """
     place = checked_path("path", path)
     if not place.is_dir():
@@ -113,6 +136,15 @@ def folder(path: str | Path, rate: float = 30.0) -> Iterator[Frame]:
     ------
     CameraError
         It is no folder, or holds no picture.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import folder, random_scene, render, write_image
+    >>> from pathlib import Path
+    >>> Path("pictures").mkdir()
+    >>> _ = write_image("pictures/one.png", render(random_scene("clean", seed=1)).image)
+    >>> len(list(folder("pictures")))
+    1
     """
     return files(folder_images(path), rate)
 
@@ -137,6 +169,13 @@ def rendered(
         Pictures a second.
     frames : int, optional
         How many; without end by default.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import paper_camera, random_scene, rendered
+    >>> frames = rendered(random_scene("clean", seed=1), paper_camera(), frames=2)
+    >>> len(list(frames))
+    2
     """
     of_kind("camera", camera, Camera)
     if not callable(scene):
@@ -173,6 +212,15 @@ class Device:
     ------
     CameraError
         It cannot be opened; while reading: it stalls, or delivers another size.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import CameraError, Device
+    >>> try:
+    ...     Device("no_such_video.avi")
+    ... except CameraError as error:
+    ...     print(type(error).__name__)
+    CameraError
     """
 
     def __init__(
@@ -254,7 +302,17 @@ class Device:
         return when, picture
 
     def close(self) -> None:
-        """Give the camera up."""
+        """Give the camera up.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import CameraError, Device
+        >>> try:
+        ...     Device("no_such_video.avi").close()
+        ... except CameraError:
+        ...     print("no camera")
+        no camera
+        """
         self._ended = True
         if self._thread is not None:
             self._thread.join(timeout=self.patience)

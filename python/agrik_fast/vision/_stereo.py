@@ -34,6 +34,12 @@ class StereoPair:
         Both of them, without distortion: the pictures are rectified.
     baseline : float, m
         How far the right one is along +x.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Camera, StereoPair
+    >>> StereoPair(Camera.of_view(320, 240, 60.0), baseline=0.06).baseline
+    0.06
     """
 
     camera: Camera
@@ -55,6 +61,17 @@ class StereoPair:
         ----------
         left, right : ndarray, shape (height, width, 3), uint8
             The pair.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Camera, StereoPair, random_scene, render
+        >>> camera = Camera.of_view(320, 240, 60.0)
+        >>> shifted = np.eye(4)
+        >>> shifted[0, 3] = 0.06
+        >>> scene = random_scene("clean", seed=1)
+        >>> left, right = render(scene, camera), render(scene, camera, pose=shifted)
+        >>> StereoPair(camera, baseline=0.06).depth(left.image, right.image).shape
+        (240, 320)
         """
         cv2 = opencv()
         for name, image in (("left", left), ("right", right)):
@@ -88,6 +105,13 @@ class Triangulated(NamedTuple):
         How far the two rays pass each other.
     names : tuple of str
         Of the objects that the pixels belong to; empty without such a column.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Triangulated
+    >>> found = Triangulated(points=np.zeros((1, 3)), gaps=np.zeros(1), names=("leaf",))
+    >>> found.names
+    ('leaf',)
     """
 
     points: FloatArray
@@ -119,6 +143,16 @@ def triangulate(
         The file cannot be read; names row and column.
     ArgumentError
         Another shape, or both cameras are at one place.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Camera, triangulate
+    >>> camera, beside = Camera.of_view(320, 240, 60.0), np.eye(4)
+    >>> beside[0, 3] = 0.1
+    >>> left = camera.project([[0.0, 0.0, 0.5]])
+    >>> right = camera.project([[-0.1, 0.0, 0.5]])
+    >>> triangulate(np.hstack([left, right]), camera, camera, beside).points.round(6).tolist()
+    [[0.0, 0.0, 0.5]]
     """
     of_kind("left", left, Camera)
     of_kind("right", right, Camera)

@@ -36,6 +36,14 @@ class Track:
         Pictures in which it was found, and those since.
     confirmed : bool
         It was found three times within the gate: only then is it worth a motion.
+
+    Examples
+    --------
+    >>> from agrik_fast.vision import Tracker
+    >>> tracker = Tracker()
+    >>> (track,) = tracker.update(0.0, [[0.2, 0.0, 0.1]])
+    >>> track.position.tolist()
+    [0.2, 0.0, 0.1]
     """
 
     number: int
@@ -56,7 +64,16 @@ class Track:
         )
 
     def at(self, time: float) -> FloatArray:
-        """Return where it is at a time, shape (3,), m: predicted, or the median while still."""
+        """Return where it is at a time, shape (3,), m: predicted, or the median while still.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Tracker
+        >>> tracker = Tracker()
+        >>> (track,) = tracker.update(0.0, [[0.2, 0.0, 0.1]])
+        >>> track.at(0.1).shape
+        (3,)
+        """
         if self.still:
             return np.asarray(np.median(np.array(self._places), axis=0))
         return np.asarray(self.position + (time - self.time) * self.velocity)
@@ -127,6 +144,14 @@ class Tracker:
         ------
         ArgumentError
             The time does not grow, or the shape is another.
+
+        Examples
+        --------
+        >>> from agrik_fast.vision import Tracker
+        >>> tracker = Tracker()
+        >>> _ = tracker.update(0.0, [[0.2, 0.0, 0.1]])
+        >>> [track.hits for track in tracker.update(0.1, [[0.2, 0.0, 0.1]])]
+        [2]
         """
         time = real_number("time", time, unit="s")
         places = float_array("points", points)

@@ -18,7 +18,8 @@ import numpy as np
 
 from ..._checks import FloatArray
 from ...arms import HOME, TomatoArm, TransposeStepWarning
-from .._output import GREY, PAGE_WIDTH, PALETTE, figure, save, styled, write_csv
+from ...plots import GREY, PAGE_WIDTH, PALETTE, figure, styled
+from .._output import save, write_csv
 from ._published import PUBLISHED
 from ._tables import FITS, TOLERANCE, ErrorSizes
 
@@ -159,7 +160,7 @@ def figure7(directory: Path) -> list[Path]:
     axes.imshow(image[..., ::-1])
     axes.plot(*found.T, "+", color="white", ms=7, mew=1)
     for number, (u, v) in enumerate(found):
-        axes.text(u + 4, v - 4, str(number), color=PALETTE[6], fontsize=7)
+        axes.text(u + 4, v - 4, str(number), color=PALETTE[6])
     axes.set_xlabel("column [px]")
     axes.set_ylabel("row [px]")
     axes.set_title("Rendered, not the paper's photograph: 24 red squares and their found centres")

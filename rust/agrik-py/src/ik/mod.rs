@@ -6,6 +6,7 @@ pub mod branches;
 pub mod control;
 pub mod follow;
 mod locked;
+pub mod rates;
 mod second;
 pub mod signals;
 pub mod straighten;

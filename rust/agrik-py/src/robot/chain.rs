@@ -19,6 +19,7 @@ use crate::ik::batch::{self, Wishes};
 use crate::ik::branches::Branches;
 use crate::ik::control::TargetSolver;
 use crate::ik::follow::{self, Along, Followed};
+use crate::ik::rates;
 use crate::result::IkResult;
 
 /// A serial chain: geometry, limits, base and tool, compiled for the solvers.
@@ -193,6 +194,38 @@ impl Chain {
             (name.as_str(), MotionLimits { velocity, acceleration, jerk })
         });
         self.changed(py, self.0.with_motion_limits(limits))
+    }
+
+    /// Return the chain with other limits of the joint variables that are named.
+    fn with_limits(&self, py: Python<'_>, limits: HashMap<String, (f64, f64)>) -> PyResult<Self> {
+        let limits = limits.iter().map(|(name, &(lower, upper))| (name.as_str(), lower, upper));
+        Self::wrap(py, self.0.with_limits(limits))
+    }
+
+    /// Return the chain with the joint variables that are named at rest, at their values.
+    fn locked(&self, py: Python<'_>, locks: HashMap<String, f64>) -> PyResult<Self> {
+        let variables = self.0.variables().iter().enumerate();
+        let at = variables.filter_map(|(i, v)| locks.get(&v.name).map(|value| (i, *value)));
+        Self::wrap(py, self.0.locked(&at.collect::<Vec<_>>()))
+    }
+
+    /// Return joint rates, shape (n, dof), for twists, shape (n, 6), between bounds, shape
+    /// (n, dof); the turns count where `turns`.
+    #[pyo3(signature = (q, twists, least, most, turns, second_aim=None, gain=1.0, threads=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn velocity<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        twists: &Bound<'py, PyAny>,
+        least: &Bound<'py, PyAny>,
+        most: &Bound<'py, PyAny>,
+        turns: bool,
+        second_aim: Option<&Bound<'py, PyAny>>,
+        gain: f64,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> Array<'py> {
+        rates::rates(&self.0, (q, twists), (least, most), turns, (second_aim, gain), threads, py)
     }
 
     /// Names of the frames of `fk_links`, the tool last.

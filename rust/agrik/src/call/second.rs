@@ -1,5 +1,6 @@
 //! Second aims: of the postures that reach a target the one that is best by another measure.
 
+use crate::allowed::is_measure;
 use crate::chain::{Chain, JointKind, Variable};
 use crate::error::{Error, Result};
 use crate::kinematics::PerJoint;
@@ -79,7 +80,7 @@ impl Second {
     ) -> Result<Self> {
         let dof = chain.dof();
         if let Some(posture) = &posture
-            && (posture.len() != dof || posture.iter().any(|x| !x.is_finite()))
+            && (posture.len() != dof || posture.iter().any(|x| !is_measure(*x)))
         {
             return Err(Error::argument("posture", format!("{dof} finite numbers"), "others"));
         }
@@ -88,6 +89,16 @@ impl Second {
         let size = chain.reach().size;
         let joints = chain.variables().iter().map(|v| Joint::of(v, size)).collect();
         Ok(Self { measure, posture, weights, joints })
+    }
+
+    /// What it is good at.
+    pub fn merit(&self) -> Merit {
+        self.measure
+    }
+
+    /// The posture of [`Merit::Near`], if it has one of its own.
+    pub fn posture(&self) -> Option<&[f64]> {
+        self.posture.as_deref()
     }
 
     /// The slope of the measure at a joint value, where it is the sum of what the joints add.

@@ -127,4 +127,16 @@ impl Joint {
             mimic: None,
         }
     }
+
+    /// The joint as a chain goes through it from its child to its parent, which then is the link
+    /// that it carries; its value stays the same.
+    pub(super) fn reversed(self, parent_link: &str) -> Self {
+        Self {
+            origin: self.after.inverse(),
+            axis: -self.axis,
+            after: self.origin.inverse(),
+            child_link: parent_link.to_owned(),
+            ..self
+        }
+    }
 }

@@ -39,6 +39,29 @@ impl Chain {
         Self::new(self.name.clone(), joints, self.base, self.tool, Some(&order))
     }
 
+    /// The same chain with other limits of some entries of `q`, each given by its name, rad or m.
+    /// Joints that follow one keep theirs.
+    pub fn with_limits<'a>(
+        &self,
+        limits: impl IntoIterator<Item = (&'a str, f64, f64)>,
+    ) -> Result<Self> {
+        let mut joints = self.joints.clone();
+        for (name, lower, upper) in limits {
+            let Some(joint) = joints.iter_mut().find(|joint| joint.name == name) else {
+                return Err(Error::argument("limits", "names of joints of the chain", name));
+            };
+            let bounded = lower.is_finite() || upper.is_finite();
+            match joint.kind {
+                JointKind::Continuous if bounded => joint.kind = JointKind::Revolute,
+                JointKind::Revolute if !bounded => joint.kind = JointKind::Continuous,
+                _ => {}
+            }
+            (joint.lower, joint.upper) = (lower, upper);
+        }
+        let order: Vec<String> = self.variables.iter().map(|v| v.name.clone()).collect();
+        Self::new(self.name.clone(), joints, self.base, self.tool, Some(&order))
+    }
+
     /// Refuses to lock an entry of `q` at a value that it cannot take.
     pub fn check_lock(&self, variable: usize, value: f64) -> Result<()> {
         let Some(of) = self.variables.get(variable) else {

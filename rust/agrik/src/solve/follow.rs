@@ -24,12 +24,12 @@ const ONE: Settings = Settings { max_restarts: 0, ..Settings::LEVENBERG_MARQUARD
 /// Starts that are tried side by side where the plain continuation fails, and for the postures
 /// from which a path is looked for backward.
 const OTHERS: usize = 16;
-const STARTS: usize = 48;
+const STARTS: usize = 96;
 /// Postures of a target that differ by less are one, and no more than so many are looked at.
 const SAME: f64 = 1e-3;
-const MOST_POSTURES: usize = 16;
+const MOST_POSTURES: usize = 32;
 /// Steps into which the way to a target is cut at most to see whether it goes on.
-const MOST_PIECES: usize = 64;
+const MOST_PIECES: usize = 512;
 /// Start values that are outside of their limits by no more are put onto them, rad or m.
 const HAIR: f64 = 1e-3;
 
@@ -137,6 +137,9 @@ struct Row {
     jump: bool,
 }
 
+/// Bounds of the joint values, and the posture that they are drawn to.
+type Inside<'a> = (&'a [(f64, f64)], &'a [f64]);
+
 /// The arm on its way.
 struct Walker<'f> {
     follow: &'f Follow<'f>,
@@ -165,8 +168,8 @@ impl Walker<'_> {
             None => self.begin(row, &mut outcome),
             Some(at) => {
                 let on = self.continued(row, at, at, &mut outcome);
-                let on = on.or_else(|| reached.then(|| self.in_pieces(row, at, &mut outcome))?);
-                on.or_else(|| reached.then(|| self.bridge(row, at, &mut outcome))?)
+                let on = on.or_else(|| reached.then(|| self.bridge(row, at, &mut outcome))?);
+                on.or_else(|| reached.then(|| self.in_pieces(row, at, &mut outcome))?)
             }
         };
         if found.is_none() && before.is_some() {
@@ -315,7 +318,7 @@ impl Walker<'_> {
         &self,
         row: usize,
         starts: &[f64],
-        bounds: Option<(&[(f64, f64)], &[f64])>,
+        bounds: Option<Inside<'_>>,
         near: &[f64],
         settings: Settings,
         outcome: &mut Outcome,
@@ -331,7 +334,7 @@ impl Walker<'_> {
         &self,
         target: &Copies,
         starts: &[f64],
-        bounds: Option<(&[(f64, f64)], &[f64])>,
+        bounds: Option<Inside<'_>>,
         near: &[f64],
         settings: Settings,
         outcome: &mut Outcome,

@@ -23,9 +23,20 @@ macro_rules! unrolled {
 #[inline(always)]
 pub(super) fn solve_spd<R: Real, const M: usize>(
     a: &mut [[R; M]; M],
-    mut b: [R; M],
+    b: [R; M],
     floor: R,
 ) -> [R; M] {
+    let [x] = solve_spd_for(a, [b], floor);
+    x
+}
+
+/// [`solve_spd`] for several right sides.
+#[inline(always)]
+pub(super) fn solve_spd_for<R: Real, const M: usize, const K: usize>(
+    a: &mut [[R; M]; M],
+    mut b: [[R; M]; K],
+    floor: R,
+) -> [[R; M]; K] {
     const { assert!(M <= 6, "`unrolled` counts to six") };
     let mut inverse = [R::zero(); M];
     unrolled!(j < M, {
@@ -44,20 +55,24 @@ pub(super) fn solve_spd<R: Real, const M: usize>(
         unrolled!(i < M, {
             if j < i {
                 a[i][j] *= inverse[j];
-                b[i] = a[i][j].neg_mul_add(b[j], b[i]);
+                for b in &mut b {
+                    b[i] = a[i][j].neg_mul_add(b[j], b[i]);
+                }
             }
         });
     });
-    unrolled!(j < M, {
-        b[j] *= inverse[j];
-    });
-    unrolled!(l < M, {
-        unrolled!(i < M, {
-            if i < M - 1 - l {
-                b[i] = a[M - 1 - l][i].neg_mul_add(b[M - 1 - l], b[i]);
-            }
+    for b in &mut b {
+        unrolled!(j < M, {
+            b[j] *= inverse[j];
         });
-    });
+        unrolled!(l < M, {
+            unrolled!(i < M, {
+                if i < M - 1 - l {
+                    b[i] = a[M - 1 - l][i].neg_mul_add(b[M - 1 - l], b[i]);
+                }
+            });
+        });
+    }
     b
 }
 

@@ -1,12 +1,18 @@
 //! A plan as a call that fills the rows that it is handed.
 
+use super::Settings;
 use super::engine;
+use super::limit::wound;
 use super::plan::Plan;
-use crate::call::{AnswersMut, Merit, Second, Solve, Status};
+use crate::call::{Answers, AnswersMut, Merit, Outcome, Second, Solve, Status};
 use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
 
 /// Up to this many targets are solved one after the other.
 const FEW: usize = 2;
+/// Starts from which a solution off limits is looked for, and the number of the first among the
+/// attempts at a target.
+const ELSEWHERE: usize = 8;
+const FAR: u32 = 1 << 16;
 
 impl Solve for Plan<'_> {
     fn rows(&self) -> usize {
@@ -66,27 +72,96 @@ impl Plan<'_> {
         if self.second_aim().is_none() {
             return true;
         }
-        let few = self.rows() <= FEW;
-        let mut open = if second.measure == Merit::OffLimits {
-            let chain = self.request.chain();
-            let stands = |row: &AnswersMut<'_>| {
-                let variables = chain.variables().iter();
-                row.ended(0, Status::Converged)
-                    && row.q(0).iter().zip(variables).any(|(x, v)| *x <= v.lower || v.upper <= *x)
-            };
-            if !(0..rows.len()).any(|i| rows.ended(i, Status::Converged)) {
-                return true;
-            }
-            rows.split(1).into_iter().filter(stands).collect()
-        } else {
-            vec![rows]
+        if second.merit() != Merit::OffLimits {
+            return self.better(level, vec![rows], keep_going);
+        }
+        if !(0..rows.len()).any(|i| self.stands_at_a_limit(&rows, i)) {
+            return true;
+        }
+        let mut single = rows.split(1);
+        single.retain(|row| self.stands_at_a_limit(row, 0));
+        let open = single.iter_mut().map(AnswersMut::reborrow).collect();
+        if !self.better(level, open, keep_going) {
+            return false;
+        }
+        // What a few small steps do not get off a limit may be had by larger ones.
+        single.retain(|row| self.stands_at_a_limit(row, 0));
+        let Some(wider) = self.setup().wider.as_ref().filter(|_| !single.is_empty()) else {
+            return true;
         };
+        let mut plan = self.clone();
+        plan.request = plan.request.with_second(wider);
+        let open = single.iter_mut().map(AnswersMut::reborrow).collect();
+        if !plan.better(level, open, keep_going) {
+            return false;
+        }
+        // And some only by another solution.
+        for mut row in single {
+            if self.stands_at_a_limit(&row, 0) && self.request.guard().is_none() {
+                self.elsewhere(level, second, &mut row);
+            }
+        }
+        true
+    }
+
+    /// Puts another solution in place of an answer, one with no joint at a limit, if one of a few
+    /// starts leads to one.
+    fn elsewhere(&self, level: Level, second: &Second, row: &mut AnswersMut<'_>) {
+        let (chain, dof) = (self.request.chain(), self.dof());
+        let Some(goal) = self.request.goal(row.first) else { return };
+        let there = self.setup().at_point(goal);
+        let mut starts = vec![0.0; ELSEWHERE * dof];
+        for (k, start) in starts.chunks_exact_mut(dof).enumerate() {
+            self.sampler.sample(row.first, FAR + k as u32, &there, start);
+        }
+        let copies = self.request.copies(row.first, ELSEWHERE);
+        let one = Settings { max_restarts: 0, ..self.setup().settings.clone() };
+        let mut plan = self.with(&copies, &starts, one);
+        plan.request = plan.request.with_second(second);
+        let mut answers = Answers::new(ELSEWHERE, dof);
+        let mut all = Some(answers.as_mut());
+        plan.run(level, &mut || all.take(), &mut || true);
+        let rows = answers.as_mut();
+        let free = |i: &usize| answers_free(&plan, &rows, *i);
+        let Some(found) = (0..ELSEWHERE).find(free) else { return };
+        let (before, new) = (row.outcome(0), rows.outcome(found));
+        let outcome = Outcome {
+            iterations: before.iterations + new.iterations,
+            restarts: before.restarts + found as u32 + 1,
+            ..new
+        };
+        let variables = chain.variables().iter();
+        for ((to, x), v) in row.finish(0, outcome).iter_mut().zip(rows.q(found)).zip(variables) {
+            *to = wound(v, *x, v.middle());
+        }
+    }
+
+    /// Row `i` of a run has an answer with a joint exactly at a limit.
+    fn stands_at_a_limit(&self, rows: &AnswersMut<'_>, i: usize) -> bool {
+        let variables = self.request.chain().variables().iter();
+        rows.ended(i, Status::Converged)
+            && rows.q(i).iter().zip(variables).any(|(x, v)| *x <= v.lower || v.upper <= *x)
+    }
+
+    /// Moves answers to where the plan's second aim is best.
+    fn better(
+        &self,
+        level: Level,
+        mut open: Vec<AnswersMut<'_>>,
+        keep_going: &mut dyn FnMut() -> bool,
+    ) -> bool {
         if open.is_empty() {
             return true;
         }
+        let few = self.rows() <= FEW;
         let kernel = Refinement { plan: self, next: &mut || open.pop(), keep_going };
         if few { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
     }
+}
+
+/// Row `i` has an answer, and no joint of it at a limit.
+fn answers_free(plan: &Plan<'_>, rows: &AnswersMut<'_>, i: usize) -> bool {
+    rows.ended(i, Status::Converged) && !plan.stands_at_a_limit(rows, i)
 }
 
 /// The loop of the second aim as a kernel.

@@ -85,6 +85,8 @@ pub struct Setup {
     pub(super) tool_reach: Reach,
     /// What answers are moved to be best at.
     pub(super) second: Option<Second>,
+    /// What moves answers off a limit that smaller steps do not get off it.
+    pub(super) wider: Option<Second>,
     /// Joint values of the chain that it was made for.
     pub(super) dof: usize,
 }
@@ -163,11 +165,9 @@ impl Setup {
             StartRule::Middle => Some(middle(chain)),
         };
         let ranking = ranking(&aim, near, point, rotation_scale);
-        let second = if settings.plain || settings.step.is_feedback() {
-            None
-        } else {
-            Some(Second::new(chain, Merit::OffLimits, None, None)?)
-        };
+        let steps = !settings.plain && !settings.step.is_feedback();
+        let of = |merit| steps.then(|| Second::new(chain, merit, None, None)).transpose();
+        let (second, wider) = (of(Merit::OffLimits)?, of(Merit::Limits)?);
         Ok(Self {
             aim,
             settings,
@@ -180,6 +180,7 @@ impl Setup {
             ranking,
             tool_reach,
             second,
+            wider,
             dof: chain.dof(),
         })
     }

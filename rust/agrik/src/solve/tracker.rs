@@ -160,7 +160,7 @@ impl Tracker {
         let toward = match &there {
             Some(_) => None,
             None => {
-                let continued = answers.success(0).then(|| answers.q.as_slice());
+                let continued = answers.success(0).then_some(answers.q.as_slice());
                 hunt.reaching(continued).or_else(|| hunt.nearest())
             }
         };

@@ -39,7 +39,10 @@ pub(super) fn parse(
     }
     let joints = path
         .into_iter()
-        .map(|declared| joint::build(&tree, declared))
+        .map(|(declared, against)| {
+            let joint = joint::build(&tree, declared)?;
+            Ok(if against { joint.reversed(declared.parent) } else { joint })
+        })
         .collect::<Result<Vec<_>>>()?;
     if joints.iter().all(|j| j.kind == super::JointKind::Fixed) {
         let names = text::listing(joints.iter().map(|j| j.name.as_str()));

@@ -12,7 +12,7 @@ use crate::error::Result;
 pub(super) struct Declared<'a> {
     pub name: &'a str,
     pub child: &'a str,
-    parent: &'a str,
+    pub parent: &'a str,
     pub element: &'a Element,
 }
 
@@ -101,44 +101,34 @@ impl<'a> Tree<'a> {
         self.joints.iter().map(|joint| (joint.parent, joint.child, joint.moves()))
     }
 
-    /// The joints from base to tip, in order.
-    pub fn path(&self, base: &'a str, tip: &'a str) -> Result<Vec<&Declared<'a>>> {
+    /// The joints from base to tip, in order, and whether the way goes through each of them
+    /// against its direction: up to the link that both are below, and down from it.
+    pub fn path(&self, base: &'a str, tip: &'a str) -> Result<Vec<(&Declared<'a>, bool)>> {
         if tip == base {
             let name = quoted(base);
             return Err(fault(format!("base link and tip link are both {name}: no joint between")));
         }
+        let (mut up, mut down) = (self.ancestry(base), self.ancestry(tip));
+        // What both have in common ends at the root.
+        while let (Some(a), Some(b)) = (up.last(), down.last())
+            && a == b
+        {
+            up.pop();
+            down.pop();
+        }
+        let up = up.into_iter().map(|index| (&self.joints[index], true));
+        let down = down.into_iter().rev().map(|index| (&self.joints[index], false));
+        Ok(up.chain(down).collect())
+    }
+
+    /// The joints between a link and the root.
+    fn ancestry(&self, mut link: &'a str) -> Vec<usize> {
         let mut joints = Vec::new();
-        let mut link = tip;
-        while link != base {
-            let Some(&index) = self.carrier.get(link) else {
-                return Err(self.not_below(base, tip));
-            };
-            joints.push(&self.joints[index]);
-            link = self.joints[index].parent;
-        }
-        joints.reverse();
-        Ok(joints)
-    }
-
-    fn not_below(&self, base: &str, tip: &str) -> crate::error::Error {
-        let mut message =
-            format!("tip link {} is not below base link {}", quoted(tip), quoted(base));
-        if self.is_above(tip, base) {
-            message += "; the other way round it is";
-        }
-        fault(message)
-    }
-
-    /// True where the way from `link` to the root passes `ancestor`.
-    fn is_above(&self, ancestor: &str, link: &str) -> bool {
-        let mut link = link;
         while let Some(&index) = self.carrier.get(link) {
+            joints.push(index);
             link = self.joints[index].parent;
-            if link == ancestor {
-                return true;
-            }
         }
-        false
+        joints
     }
 
     fn link(&self, role: &str, name: &str) -> Result<&'a str> {

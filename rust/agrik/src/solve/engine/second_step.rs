@@ -13,8 +13,8 @@ use super::runs::Runs;
 use crate::call::{Merit, Outcome, Second, Status};
 use crate::kinematics::{PerJoint, columns};
 use crate::lanes::{Real, V3, cross, dot, scale};
-use crate::solve::linear::solve_spd;
-use crate::solve::step::pulled;
+use crate::solve::linear::solve_spd_for;
+use crate::solve::step::{dot as dot_of_six, pulled};
 use crate::task::{Rows, TaskError};
 
 /// Most steps of a target: of a measure, and off limits.
@@ -101,9 +101,10 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
                 }
             }
         }
-        let (lengths, none) = (&self.setup.lengths, [R::zero(); M]);
+        let lengths = &self.setup.lengths;
         for _ in 0..HOLDS {
-            pulled::step(&self.columns, &none, &self.pull, lengths, &mut self.second.along);
+            let ways = (&mut self.second.along[..], &mut self.change[..]);
+            pulled::apart(&self.columns, &error.rows, &self.pull, lengths, ways);
             if !self.hold_outward() {
                 break;
             }
@@ -138,8 +139,8 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         };
         let still = R::bits((length * longest).lt(R::splat(SETTLED)));
         memory.stepped = R::select(R::mask_from_bits(moving), R::splat(1.0), memory.stepped);
-        for (pull, way) in self.pull.iter_mut().zip(&memory.along) {
-            *pull = length * *way;
+        for (change, way) in self.change.iter_mut().zip(&memory.along) {
+            *change = length.mul_add(*way, *change);
         }
         if second.measure == Merit::OffLimits {
             let mut at_limit = R::mask_from_bits(0);
@@ -153,7 +154,6 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         } else {
             memory.settled = memory.settled & !moving | still & moving;
         }
-        pulled::step(&self.columns, &error.rows, &self.pull, lengths, &mut self.change);
         self.apply(moving, squared, per_radian);
     }
 
@@ -226,10 +226,15 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         for pull in &mut self.pull {
             *pull = R::zero();
         }
+        let mut unit = [[R::zero(); 6]; 6];
+        for (i, line) in unit.iter_mut().enumerate() {
+            line[i] = R::splat(1.0);
+        }
+        let inverse = solve_spd_for(&mut square, unit, R::splat(1e-300));
         let links = &self.second.columns;
         for (i, (variable, linear, angular)) in links.iter().enumerate() {
             // What a change of this column is worth.
-            let worth = solve_spd(&mut square.clone(), sums[*variable], R::splat(1e-300));
+            let worth = inverse.map(|line| dot_of_six(&line, &sums[*variable]));
             let by_place = [worth[0], worth[1], worth[2]];
             let by_turn = [worth[3] * size, worth[4] * size, worth[5] * size];
             for (k, (other, way, axis)) in links.iter().enumerate() {

@@ -1,0 +1,148 @@
+"""Other limits, locked joints, chains between any links, bases and robots of each row."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import agrik_fast as ik
+from agrik_fast import Status
+from agrik_fast.errors import ArgumentError, UnknownNameError
+
+TREE = """<robot name="tree">
+  <link name="trunk"/><link name="l1"/><link name="l2"/><link name="lhand"/>
+  <link name="r1"/><link name="r2"/><link name="rhand"/>
+  {joints}
+</robot>"""
+
+
+def joint(name, parent, child, xyz, axis, rpy="0 0 0", kind="revolute"):
+    return (
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
+        f'<origin xyz="{xyz}" rpy="{rpy}"/><axis xyz="{axis}"/>'
+        '<limit lower="-2" upper="1.5" effort="1" velocity="1"/></joint>'
+    )
+
+
+@pytest.fixture(scope="module")
+def tree():
+    joints = [
+        joint("a1", "trunk", "l1", "0 0.2 0.5", "0 0 1", "0.3 0 0"),
+        joint("a2", "l1", "l2", "0.3 0 0", "0 1 0", "0 0.2 0"),
+        joint("a3", "l2", "lhand", "0.3 0.1 0", "1 0 0", kind="prismatic"),
+        joint("b1", "trunk", "r1", "0 -0.2 0.5", "0 0 1", "0 0 0.5"),
+        joint("b2", "r1", "r2", "0.3 0 0", "0 1 0"),
+        joint("b3", "r2", "rhand", "0.25 0 0", "0 0.6 0.8"),
+    ]
+    return TREE.format(joints="".join(joints))
+
+
+def test_a_chain_goes_from_any_link_to_any_link(tree):
+    left, right = (ik.Robot.from_urdf(tree, "trunk", hand) for hand in ("lhand", "rhand"))
+    both = ik.Robot.from_urdf(tree, "lhand", "rhand")
+    assert both.joint_names == ("a3", "a2", "a1", "b1", "b2", "b3")
+    q = both.random_q(20, seed=1)
+    there, here = left.fk(q[:, 2::-1]), right.fk(q[:, 3:])
+    np.testing.assert_allclose(both.fk(q), np.linalg.inv(there) @ here, atol=1e-12)
+    np.testing.assert_array_equal(both.lower, [-2] * 6)
+    back = ik.Robot.from_urdf(tree, "rhand", "trunk")
+    np.testing.assert_allclose(back.fk(q[:, :2:-1]), np.linalg.inv(here), atol=1e-12)
+    assert back.link_names[:-1] == ("r2", "r1", "trunk")
+    found = both.ik(both.fk(q)[:, :3, 3])
+    assert found.success.all()
+    again = pickle.loads(pickle.dumps(both))
+    assert np.array_equal(again.fk(q), both.fk(q))
+
+
+def test_locked_joints_stand_still():
+    arm = ik.Robot.load("panda")
+    q = arm.random_q(20, seed=1)
+    q[:, 2] = 0.3
+    six = arm.lock({"joint3": 0.3})
+    assert six.dof == 6 and "joint3" not in six.joint_names
+    np.testing.assert_allclose(six.fk(np.delete(q, 2, axis=1)), arm.fk(q), atol=1e-12)
+    assert six.ik(arm.fk(q)).success.all()
+    assert six.lock({"joint1": 0.1, "joint7": 0.2}).dof == 4
+    assert pickle.loads(pickle.dumps(six)) == six
+    assert six.fingerprint != arm.fingerprint
+    assert len(six.bodies) == len(arm.bodies)
+    dh = ik.Robot.load("puma560")
+    name = dh.joint_names[1]
+    five = dh.lock({name: -0.4})
+    p = dh.random_q(10, seed=2)
+    p[:, 1] = -0.4
+    np.testing.assert_allclose(five.fk(np.delete(p, 1, axis=1)), dh.fk(p), atol=1e-12)
+
+
+def test_limits_are_replaced_by_name_or_as_a_table():
+    arm = ik.Robot.load("ur5")
+    tight = arm.with_limits({"elbow": (-1.0, 1.0)})
+    assert (tight.lower[2], tight.upper[2]) == (-1.0, 1.0)
+    assert tight.lower[0] == arm.lower[0]
+    assert tight.dh is None or tight.dh[2].upper == 1.0
+    result = tight.ik(tight.fk(tight.random_q(50, seed=1)))
+    assert result.success.all() and (abs(result.q[:, 2]) <= 1.0).all()
+    table = np.full((6, 2), np.nan)
+    table[4] = [-0.5, 0.7]
+    assert arm.with_limits(table).upper[4] == 0.7
+    assert arm.with_limits(table).lower[0] == arm.lower[0]
+    assert pickle.loads(pickle.dumps(tight)) == tight
+    free = arm.with_limits({"elbow": (-np.inf, np.inf)})
+    assert free.joint_types[2] == "continuous"
+
+
+def test_limits_of_a_call_and_of_each_row():
+    arm = ik.Robot.load("ur5")
+    q = arm.random_q(12, seed=3)
+    poses = arm.fk(q)
+    around = np.stack([q - 0.2, q + 0.2], axis=-1)
+    result = arm.ik(poses, limits=around)
+    assert result.success.all()
+    assert ((result.q >= around[..., 0]) & (result.q <= around[..., 1])).all()
+    whole = arm.ik(poses, limits=[[-3, 3]] * 6)
+    assert (abs(whole.q) <= 3).all()
+    around[5, 2] = [1.0, -1.0]
+    mixed = arm.ik(poses, limits=around)
+    assert mixed.status[5] == Status.BAD_INPUT
+    assert np.delete(mixed.success, 5).all()
+
+
+def test_bases_of_each_row_and_several_robots():
+    arm = ik.Robot.load("ur5")
+    q = arm.random_q(5, seed=4)
+    bases = ik.Robot.load("puma560").fk(ik.Robot.load("puma560").random_q(5, seed=5))
+    poses = np.stack([arm.with_base(b).fk(x) for b, x in zip(bases, q, strict=True)])
+    result = arm.ik(poses, base=bases)
+    assert result.success.all()
+    for base, pose, found in zip(bases, poses, result.q, strict=True):
+        np.testing.assert_allclose(arm.with_base(base).fk(found), pose, atol=5e-6)
+    assert arm.ik(poses[:, :3, 3], base=bases).success.all()
+    arms = [ik.Robot.load(name) for name in ("ur3e", "ur5e", "ur10e")]
+    targets = np.stack([one.fk(one.random_q(4, seed=1)) for one in arms])
+    many = ik.Robot.ik_many(arms, targets)
+    assert many.q.shape == (3, 4, 6) and many.success.all()
+    for one, goals, row in zip(arms, targets, many.q, strict=True):
+        assert np.array_equal(row, one.ik(goals).q)
+
+
+def test_wrong_limits_and_locks_are_named():
+    arm = ik.Robot.load("panda")
+    with pytest.raises(ArgumentError, match=r"joint3.*within the limits"):
+        arm.lock({"joint3": 9.0})
+    with pytest.raises(UnknownNameError, match="joint"):
+        arm.lock({"joint9": 0.0})
+    with pytest.raises(ArgumentError, match="at least one"):
+        arm.lock(dict.fromkeys(arm.joint_names, -0.5) | {"joint6": 1.0})
+    with pytest.raises(ArgumentError, match=r"joint1.*lower <= upper"):
+        arm.with_limits({"joint1": (1.0, -1.0)})
+    with pytest.raises(UnknownNameError, match="joint"):
+        arm.with_limits({"elbow": (0, 1)})
+    with pytest.raises(ArgumentError, match="limits"):
+        arm.with_limits([[0, 1]] * 3)
+    pose = arm.fk(arm.random_q(seed=1))
+    with pytest.raises(ArgumentError, match="limits"):
+        arm.ik(pose, limits=[0, 1])
+    with pytest.raises(ArgumentError, match="base"):
+        arm.ik(pose, base=np.zeros((4, 4)))
+    with pytest.raises(ArgumentError, match="robots"):
+        ik.Robot.ik_many([arm, ik.Robot.load("ur5")], pose)
