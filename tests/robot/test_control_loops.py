@@ -1,6 +1,11 @@
 """Control loops: postures never jump, targets out of reach are followed, re-entry is quick."""
 
 import numpy as np
+import pytest
+
+import agrik_fast as ik
+from agrik_fast import Status
+from agrik_fast.errors import ArgumentError
 
 ARMS = ("strawberry", "cucumber", "hydrolek", "tomato", "redundant7", "puma560", "ur5", "panda")
 MOST = 0.02
