@@ -41,6 +41,9 @@ html_title = "agrik_fast"
 html_show_copyright = False
 html_static_path = ["_static"]
 html_css_files = ["agrik.css"]
+# Pages of the viewer, which are made with the pictures; Sphinx asks for the folder before.
+html_extra_path = ["_generated/interactive"]
+(HERE / html_extra_path[0]).mkdir(parents=True, exist_ok=True)
 html_math_renderer = "mathml"
 html_theme_options = {
     "navigation_with_keys": False,

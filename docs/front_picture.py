@@ -1,5 +1,6 @@
 """The front page's pictures: targets go in, joint values and a checked answer come out."""
 
+import itertools
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from solids_picture import BLUE, GREEN, GREY, RUST, frame_box, placed
 from solids_picture import draw as draw_solids
 
 import agrik_fast as ik
+from agrik_fast import viewer
 
 TARGETS = np.array([[0.55, -0.3, 0.25], [0.45, 0.35, 0.55], [0.15, 0.55, 0.3], [0.95, 0.55, 0.4]])
 COLORS = (GREEN, BLUE, "#8a6fb0", RUST)
@@ -25,6 +27,7 @@ def draw(folder: Path, save: Callable[..., None]) -> None:
     poses[:, :3, :3] = np.diag([1.0, -1.0, -1.0])
     found = arm.ik(poses, q0=START)
     draw_arm(arm, found, folder / "front_arm.png", save)
+    write_page(arm, found, folder / "interactive" / "arm.html")
     draw_answers(found, folder / "front_answers.png", save)
 
 
@@ -46,6 +49,15 @@ def draw_arm(arm: ik.Robot, found: ik.IkResult, file: Path, save: Callable[..., 
     space.set_ylabel("y [m]", fontsize=8)
     space.view_init(22, -58)
     save(figure, file, dpi=130)
+
+
+def write_page(arm: ik.Robot, found: ik.IkResult, file: Path) -> None:
+    """Write a page in which the arm goes from target to target and can be turned; no server."""
+    stops = np.concatenate([START[None], found.q[found.success], START[None]])
+    share = np.linspace(0.0, 1.0, 25, endpoint=False)[:, None]
+    way = [begin + share * (end - begin) for begin, end in itertools.pairwise(stops)]
+    file.parent.mkdir(exist_ok=True)
+    viewer.export_html(arm, file, q=np.concatenate(way), targets=TARGETS, force=True)
 
 
 def draw_answers(found: ik.IkResult, file: Path, save: Callable[..., None]) -> None:

@@ -10,6 +10,7 @@ import front_picture
 import hardware_pictures
 import loops_picture
 import matplotlib as mpl
+import motion_picture
 import numpy as np
 import ring_picture
 import solids_picture
@@ -250,6 +251,8 @@ def main(folder: Path) -> None:
     solids_picture.draw_bodies(folder / "bodies.png", save)
     solids_picture.draw_greenhouse(folder / "scene.png", save)
     solids_picture.draw_clearance(folder / "clearance.svg", save)
+    motion_picture.draw_proof(folder / "proof.svg", save)
+    motion_picture.draw_path(folder / "way.svg", save)
     hardware_pictures.main(folder / "hardware")
     trajectory_pictures.draw(folder / "trajectories.svg", save)
     vision_pictures.main(folder / "vision")

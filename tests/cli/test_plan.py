@@ -53,7 +53,9 @@ def test_where_there_is_no_path_the_reason_is_said(bench: Path, tmp_path: Path) 
     assert "OUT_OF_REACH" in ran.stderr
     assert not output.exists()
     for bad in ("--target=nowhere", "--start=1,2", "--target=1,2"):
-        ran = run_command("plan", "panda", "--scene", bench, "--target=0.3,0.3,0.3", bad, "-o", output)
+        ran = run_command(
+            "plan", "panda", "--scene", bench, "--target=0.3,0.3,0.3", bad, "-o", output
+        )
         assert ran.exit_code == 2
         assert "Traceback" not in ran.stderr and bad.split("=")[0] in ran.stderr
 

@@ -339,6 +339,7 @@ def harvest(
 
     Examples
     --------
+    >>> from agrik_fast.cluster import harvest
     >>> import pathlib, tempfile
     >>> from agrik_fast.harvest import CropsJob
     >>> folder = pathlib.Path(tempfile.mkdtemp())

@@ -36,6 +36,7 @@ def file_schema() -> dict[str, Any]:
 
     Examples
     --------
+    >>> from agrik_fast.collision import file_schema
     >>> file_schema()["required"]
     ['unit']
     """

@@ -298,6 +298,7 @@ class Scene(Queries):
 
         Examples
         --------
+        >>> from agrik_fast.collision import Scene
         >>> from agrik_fast.collision import Sphere, SceneObject
         >>> scene = Scene([SceneObject.of("berry", Sphere([0.3, 0, 0.5], 0.02), kind="fruit")])
         >>> scene.plot().axes[0].get_zlabel()

@@ -40,6 +40,7 @@ class Cutter:
 
     Examples
     --------
+    >>> from agrik_fast.harvest import Cutter
     >>> Cutter().reach
     0.01
     """

@@ -14,7 +14,7 @@ from .. import _native
 from .._checks import FloatArray, finite_array, float_array, shown
 from ..collision import Scene
 from ..errors import ArgumentError
-from ..robot import Robot
+from ..robot import JointPath, Robot
 
 __all__ = ["Checked", "Contact", "Outcome", "check", "check_segments"]
 
@@ -181,7 +181,8 @@ def check(
         An arm with bodies.
     path : array_like, shape (n, dof), rad or m
         Waypoints, one or more; or something with such an array as ``q`` or ``path``, as
-        `Robot.follow` and `plan` return.
+        `Robot.follow` and `plan` return. Of a `JointPath` the rounded corners count as well: a
+        piece whose corner is not proven is undecided.
     scene : Scene, optional
         What stands round it; default nothing but the arm itself. Where it aims at a target, that
         may be touched while the tool point is near it.
@@ -232,6 +233,8 @@ def check(
     collider = scene_of(scene).collider(arm)
     columns = _native.motion_check(collider, q, None, options, threads)
     to = q if len(q) == 1 else q[1:]
+    if isinstance(path, JointPath):
+        _add_corners(columns, collider, path, options, threads)
     return _checked(arm, collider, q, to, columns)
 
 
@@ -282,6 +285,38 @@ def check_segments(
     collider = scene_of(scene).collider(arm)
     columns = _native.motion_check(collider, a, b, options, threads)
     return _checked(arm, collider, a, b, columns)
+
+
+def _add_corners(
+    columns: dict[str, Any],
+    collider: _native.Collider,
+    path: JointPath,
+    options: dict[str, Any],
+    threads: int | None,
+) -> None:
+    """Call pieces undecided that end in a rounded corner which is not proven free."""
+    if path.blends is None:
+        raise ArgumentError("path", "one smooth curve", "a path that is straight but for corners")
+    rounded = np.flatnonzero(path.blends[1:-1] > 0) + 1
+    if not len(rounded):
+        return
+    ends = corner_ends(path.q, path.lengths, path.blends, rounded)
+    free = _native.motion_corners(collider, *ends, options, threads)
+    for k in rounded[~free] - 1:
+        if columns["outcome"][k] == Outcome.SAFE:
+            columns["outcome"][k] = Outcome.UNDECIDED
+            columns["clearance"][k] = 0.0
+            columns["at"][k] = 1.0
+
+
+def corner_ends(
+    q: FloatArray, lengths: FloatArray, widths: FloatArray, corners: NDArray[np.intp]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return where curves leave the segments before corners, the corners, and where they end."""
+    before = (widths[corners] / lengths[corners - 1])[:, np.newaxis]
+    behind = (widths[corners] / lengths[corners])[:, np.newaxis]
+    at = q[corners]
+    return at + before * (q[corners - 1] - at), at, at + behind * (q[corners + 1] - at)
 
 
 # -- what this room shares ---------------------------------------------------------------

@@ -11,7 +11,7 @@ from .. import _native
 from .._checks import real_number
 from ..collision import Scene
 from ..robot import JointPath, Robot
-from ._check import checked_arm, options_of, scene_of, waypoints
+from ._check import checked_arm, corner_ends, options_of, scene_of, waypoints
 
 __all__ = ["rounded"]
 
@@ -83,12 +83,8 @@ def rounded(
     for _ in range(_HALVINGS + 1):
         if not len(open_):
             break
-        before = (width[open_] / lengths[open_ - 1])[:, np.newaxis]
-        behind = (width[open_] / lengths[open_])[:, np.newaxis]
-        corner = q[open_]
-        start = corner + before * (q[open_ - 1] - corner)
-        end = corner + behind * (q[open_ + 1] - corner)
-        free = _native.motion_corners(collider, start, corner, end, options, threads)
+        ends = corner_ends(q, lengths, width, open_)
+        free = _native.motion_corners(collider, *ends, options, threads)
         blends[open_[free]] = width[open_[free]]
         open_ = open_[~free]
         width[open_] /= 2

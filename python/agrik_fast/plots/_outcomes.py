@@ -45,6 +45,7 @@ def outcomes(
 
     Examples
     --------
+    >>> from agrik_fast.plots import outcomes
     >>> import numpy as np
     >>> picture = outcomes(np.array([0, 0, 1]), np.array([1e-9, 1e-8, 0.1]), np.array([5, 6, 0]))
     >>> [axes.get_xlabel() for axes in picture.axes]

@@ -21,10 +21,12 @@ PAGE_WIDTH = 6.5
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 """Colours that the colour-blind tell apart too (Okabe and Ito)."""
 
-GOOD, BAD = PALETTE[0], PALETTE[1]
+GOOD = PALETTE[0]
+BAD = PALETTE[1]
 """Blue for what was reached, orange for what was not; words say the same."""
 
-GREY, PALE = "#888888", "#cccccc"
+GREY = "#888888"
+PALE = "#cccccc"
 """For what is there for comparison, and for what is behind."""
 
 FIELD = {
@@ -123,6 +125,7 @@ def figure(width: float, height: float) -> Figure:
 
     Examples
     --------
+    >>> from agrik_fast.plots import PAGE_WIDTH, figure
     >>> figure(PAGE_WIDTH, 3.0).get_size_inches().tolist()
     [6.5, 3.0]
     """
@@ -141,6 +144,7 @@ def label(what: str, unit: str = "") -> str:
 
     Examples
     --------
+    >>> from agrik_fast.plots import label
     >>> label("position error", "m"), label("iterations")
     ('position error [m]', 'iterations')
     """

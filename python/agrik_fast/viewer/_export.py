@@ -75,6 +75,8 @@ def export_html(
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from agrik_fast.viewer import export_html
     >>> import tempfile
     >>> file = Path(tempfile.mkdtemp()) / "arm.html"
     >>> export_html("tomato", file).stat().st_size > 500_000

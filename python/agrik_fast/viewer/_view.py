@@ -207,6 +207,7 @@ def view(
 
     Examples
     --------
+    >>> from agrik_fast.viewer import view
     >>> viewer = view("redundant7", port=0, open_browser=False)
     >>> viewer.status.split()[0]
     'CONVERGED'

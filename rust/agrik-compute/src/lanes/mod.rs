@@ -31,7 +31,9 @@ pub use trig::{
     CHORD2, angle_over_sine, atan2, atan2_each, atan2_rough, sin_cos_by_quadrant, squared_angles,
     turns_each,
 };
-pub use vector::{V3, axpy, blend, cross, difference, dot, negate, scale, select3, splat3, sub};
+pub use vector::{
+    V3, axpy, blend, cross, difference, dot, negate, norm, scale, select3, splat3, sub,
+};
 pub use words::Words;
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};

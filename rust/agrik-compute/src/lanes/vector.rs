@@ -14,6 +14,12 @@ pub fn dot<R: Real>(a: V3<R>, b: V3<R>) -> R {
     a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
+/// Length of a vector.
+#[inline(always)]
+pub fn norm<R: Real>(v: V3<R>) -> R {
+    dot(v, v).sqrt()
+}
+
 /// `a x b`
 #[inline(always)]
 pub fn cross<R: Real>(a: V3<R>, b: V3<R>) -> V3<R> {

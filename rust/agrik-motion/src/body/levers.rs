@@ -7,7 +7,7 @@
 //! Levers stand in rows, one a joint value, of one entry a body.
 
 use agrik::chain::{JointKind, Link};
-use agrik_compute::lanes::{cross, dot, sub};
+use agrik_compute::lanes::{cross, dot, norm, sub};
 use agrik_solids::{Point, Pose};
 
 use super::bodies::Bodies;
@@ -22,7 +22,8 @@ impl Bodies {
         let joints = chain.joints();
         let mut levers = vec![0.0; chain.dof() * count];
         for (b, body) in self.bodies().iter().enumerate() {
-            let mut length = self.extreme_points_in_frame(b).iter().map(norm).fold(0.0, f64::max);
+            let mut length =
+                self.extreme_points_in_frame(b).into_iter().map(norm).fold(0.0, f64::max);
             if body.frame > joints.len() {
                 length += chain.tool().translation.vector.norm();
             }
@@ -118,8 +119,4 @@ pub(crate) fn link_levers(
         };
         moved += levers[i] * way(link);
     }
-}
-
-fn norm(v: &Point) -> f64 {
-    dot(*v, *v).sqrt()
 }

@@ -10,6 +10,9 @@ use crate::{Collider, Error, Result};
 /// Ways that a thread takes at a time: their times differ much.
 const RUN: usize = 8;
 
+/// Rows where ways begin, and rows where they end.
+type Ends<'q> = (&'q [f64], &'q [f64]);
+
 /// [`Certifier::explained`] for each way from a row of `from` to that of `to` (as many numbers
 /// as joint values each, rad and m), on `threads` threads (0: the number in force); `poll` is
 /// asked now and then whether to go on. Answers do not depend on the number of threads.
@@ -36,7 +39,7 @@ pub fn check_segments(
         return Err(Error::argument("to", expected, to.len() / dof));
     }
     let mut out: Vec<Option<Verdict>> = vec![None; from.len() / dof];
-    let work = |((from, to), out): ((&[f64], &[f64]), &mut [Option<Verdict>])| {
+    let work = |((from, to), out): (Ends<'_>, &mut [Option<Verdict>])| {
         let mut certifier = Certifier::new(collider, keep);
         for ((from, to), out) in from.chunks(dof).zip(to.chunks(dof)).zip(out) {
             *out = Some(certifier.explained(from, to));

@@ -35,7 +35,6 @@ pub(super) fn connect(ask: &mut Ask<'_>, start: &[f64], roots: &[&[f64]]) -> Gro
     while rounds < ask.settings.rounds && !ask.is_spent() {
         let forward = rounds % 2 == 0;
         let (tree, other) = if forward { (&mut near, &mut far) } else { (&mut far, &mut near) };
-        let before = tree.len();
         let mut lanes = Vec::with_capacity(LANES as usize);
         for lane in 0..LANES {
             ask.sample(STREAM, rounds, lane, &mut sample);
@@ -43,7 +42,6 @@ pub(super) fn connect(ask: &mut Ask<'_>, start: &[f64], roots: &[&[f64]]) -> Gro
             step(ask, tree.node(parent), &sample, &mut next);
             lanes.push((parent, next.clone()));
         }
-        debug_assert_eq!(before, tree.len());
         rounds += 1;
         for (parent, q) in lanes {
             if !ask.free(tree.node(parent), &q) {
@@ -74,11 +72,12 @@ pub(super) fn connect(ask: &mut Ask<'_>, start: &[f64], roots: &[&[f64]]) -> Gro
 /// Goes from one posture towards another, no farther than a step; true where it gets there.
 fn step(ask: &Ask<'_>, from: &[f64], to: &[f64], next: &mut [f64]) -> bool {
     let away = ask.metric.between(from, to);
-    let share = ask.settings.step / away;
-    if !(share < 1.0) {
+    let step = ask.settings.step;
+    if away <= step {
         next.copy_from_slice(to);
         return true;
     }
+    let share = step / away;
     for ((x, a), b) in next.iter_mut().zip(from).zip(to) {
         *x = a + share * (b - a);
     }

@@ -199,14 +199,14 @@ impl Chain {
     /// Return the chain with other limits of the joint variables that are named.
     fn with_limits(&self, py: Python<'_>, limits: HashMap<String, (f64, f64)>) -> PyResult<Self> {
         let limits = limits.iter().map(|(name, &(lower, upper))| (name.as_str(), lower, upper));
-        Self::wrap(py, self.0.with_limits(limits))
+        self.changed(py, self.0.with_limits(limits))
     }
 
     /// Return the chain with the joint variables that are named at rest, at their values.
     fn locked(&self, py: Python<'_>, locks: HashMap<String, f64>) -> PyResult<Self> {
         let variables = self.0.variables().iter().enumerate();
         let at = variables.filter_map(|(i, v)| locks.get(&v.name).map(|value| (i, *value)));
-        Self::wrap(py, self.0.locked(&at.collect::<Vec<_>>()))
+        self.changed(py, self.0.locked(&at.collect::<Vec<_>>()))
     }
 
     /// Return joint rates, shape (n, dof), for twists, shape (n, 6), between bounds, shape

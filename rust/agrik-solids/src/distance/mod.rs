@@ -15,7 +15,8 @@ pub mod segment_cuboid;
 pub mod segment_segment;
 mod simplex;
 
-use agrik_compute::lanes::{axpy, dot, sub};
+pub(crate) use agrik_compute::lanes::norm;
+use agrik_compute::lanes::{axpy, sub};
 
 use crate::shapes::{Core, Point, Solid};
 
@@ -52,11 +53,6 @@ impl Closest {
             normal: self.normal.map(|x| -x),
         }
     }
-}
-
-/// Length of a vector.
-pub(crate) fn norm(v: Point) -> f64 {
-    dot(v, v).sqrt()
 }
 
 /// Where two solids come nearest, and how near. Of two half-spaces the distance is minus

@@ -7,10 +7,10 @@ use crate::closed_form::geometry::axes::Geometry;
 use crate::closed_form::geometry::candidate::{Candidate, JOINTS, MOST_BRANCHES};
 use crate::closed_form::geometry::enclosure::Margin;
 use crate::closed_form::geometry::rigid::Rigid;
-use crate::closed_form::geometry::screws::{Screws, norm};
+use crate::closed_form::geometry::screws::Screws;
 use crate::closed_form::geometry::serial::Serial;
 use crate::closed_form::geometry::turn::Turn;
-use crate::lanes::{Kernel, Level, Real, cross, dispatch};
+use crate::lanes::{Kernel, Level, Real, cross, dispatch, norm};
 use crate::task::Goal;
 
 /// An arm with three axes that meet at one end.

@@ -10,11 +10,11 @@ use super::postures::{Candidates, Set};
 use crate::closed_form::geometry::enclosure::{Arc, Margin, linear_arcs};
 use crate::closed_form::geometry::range::Range;
 use crate::closed_form::geometry::rigid::{Rigid, turn_about, turned_about};
-use crate::closed_form::geometry::screws::{EXACT, Screws, norm};
+use crate::closed_form::geometry::screws::{EXACT, Screws};
 use crate::closed_form::geometry::serial::Serial;
 use crate::closed_form::geometry::turn::{Root, Side, Turn, linear, unit_turn};
 use crate::lanes::{
-    Kernel, Lanes, Level, Real, V3, atan2_each, axpy, cross, dispatch, dot, splat3, sub,
+    Kernel, Lanes, Level, Real, V3, atan2_each, axpy, cross, dispatch, dot, norm, splat3, sub,
 };
 
 /// Lengths (arm lengths) below which an equation leaves its angle open.

@@ -4,7 +4,7 @@
 use std::fmt;
 
 use super::rigid::{Rigid, turn_about};
-use crate::lanes::{V3, axpy, cross, dot, scale, sub};
+use crate::lanes::{V3, axpy, cross, dot, norm, scale, sub};
 
 /// Axes whose directions differ by less count as parallel; lines that miss a common point by
 /// less of the arm's length count as meeting.
@@ -148,9 +148,4 @@ impl Screws {
         }
         out
     }
-}
-
-/// Length of a vector.
-pub fn norm(v: V3<f64>) -> f64 {
-    dot(v, v).sqrt()
 }

@@ -23,9 +23,9 @@ pub use self::passes::Work;
 use super::postures::{MOST, Set};
 use crate::closed_form::geometry::enclosure::Margin;
 use crate::closed_form::geometry::rigid::Rigid;
-use crate::closed_form::geometry::screws::{Screws, norm};
+use crate::closed_form::geometry::screws::Screws;
 use crate::closed_form::geometry::serial::Serial;
-use crate::lanes::{Level, dispatch, sub};
+use crate::lanes::{Level, dispatch, norm, sub};
 use crate::random::Sequence;
 
 /// Noise of the samples above which a polynomial is not trusted.
