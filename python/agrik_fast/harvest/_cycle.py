@@ -184,20 +184,8 @@ def _held(fruit: SceneObject, pose: FloatArray) -> list[Body]:
 
     shapes: list[BodyShape] = [Sphere(inner(row[:3]), row[3]) for row in fruit.spheres]
     shapes += [Capsule(inner(row[:3]), inner(row[3:6]), row[6]) for row in fruit.capsules]
-<<<<<<< HEAD
     for row in fruit.boxes:
         turned = turn.T @ row[6:15].reshape(3, 3)
         shapes.append(Box(inner(row[:3]), tuple(row[3:6].tolist()), turned, row[15]))
-=======
-    shapes += [
-        Box(
-            inner(row[:3]),
-            tuple(row[3:6].tolist()),
-            rotation=turn.T @ row[6:15].reshape(3, 3),
-            radius=row[15],
-        )
-        for row in fruit.boxes
-    ]
->>>>>>> main
     shapes += [Convex(tuple(inner(p) for p in points), radius) for points, radius in fruit.hulls]
     return [Body(f"fruit{k}", "tool", shape) for k, shape in enumerate(shapes)]
