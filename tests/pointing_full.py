@@ -7,7 +7,7 @@ import numpy as np
 
 from pointing import RADIUS, Seen, fruits, pointing
 
-# Degrees that servos yield: 2 degrees times the torque that they hold over the one that stalls them.
+# Degrees that servos yield: twice their torque over the one that stalls them.
 NOISE = {f"servo{i}.noise": 0.1 for i in range(3)} | {"droop0": 1.14, "droop1": 0.36}
 # What is allowed, m, after 1.5 s.
 LIMITS = {"still": 0.003, "trembling": 0.008, "moving": 0.010, "wild": 0.003}
