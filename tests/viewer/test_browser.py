@@ -50,6 +50,11 @@ def opened(page: Page, viewer: Viewer) -> Page:
 @pytest.fixture
 def desktop(opened: Page, viewer: Viewer) -> Page:
     """The viewer's page at the size of a desk, a target in the middle of what can be reached."""
+    # A busy browser may still be telling of the drag before.
+    before = None
+    while before is None or not np.array_equal(before, viewer.target):
+        before = viewer.target
+        time.sleep(0.5)
     viewer.aim(START)
     wait_for(lambda: "CONVERGED" in opened.status, "the status")
     return opened
