@@ -73,7 +73,7 @@ enum Work {
     Alone(Setup),
     /// As a tick of a loop whose joints change by no more than a bound; with it the answer to
     /// the first tick, where nobody says where the arm stands.
-    Loop(Setup, Mutex<Tracker>),
+    Loop(Setup, Box<Mutex<Tracker>>),
 }
 
 /// A solver for one target at a time; see `agrik_fast.Robot.solver`.
@@ -114,7 +114,7 @@ impl TargetSolver {
                 let most = each_joint("max_change", most, chain.dof())?;
                 let tracker =
                     Tracker::new(&chain, aim, settings, most, second).map_err(from_core)?;
-                Work::Loop(setup, Mutex::new(tracker))
+                Work::Loop(setup, Box::new(Mutex::new(tracker)))
             }
         };
         let answers = Answers::new(1, chain.dof());
