@@ -1,6 +1,7 @@
 """The viewer in a real browser: one page after the other, as a person would use it."""
 
 import re
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
