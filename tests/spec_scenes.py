@@ -8,23 +8,15 @@ from typing import Any
 
 import numpy as np
 
+import agrik_fast as ik
 from agrik_fast.collision import Scene, from_document
 
 ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT / "rust/agrik-solids/tests/data"
 UNITS = {"cucumber": "mm", "panda": "m"}
 PER_METRE = {"cucumber": 1000.0, "panda": 1.0}
-# The bundled arms whose files have solids; the others may get some, these may not lose theirs.
-WITH_BODIES = (
-    "cucumber",
-    "hydrolek",
-    "panda",
-    "puma560",
-    "redundant7",
-    "strawberry",
-    "tomato",
-    "ur5",
-)
+# All bundled arms have bodies.
+WITH_BODIES = tuple(ik.Robot.names())
 
 
 def read(name: str) -> Any:

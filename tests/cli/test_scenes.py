@@ -114,7 +114,6 @@ def test_what_is_wrong_is_one_line(tmp_path: Path) -> None:
     for more, expected in [
         (("--scene", tmp_path / "absent.toml"), "`--scene`: expected an existing file"),
         (("--scene", tmp_path / "goals.npy"), "`--scene`: expected a .json or .toml file"),
-        (("--scene", bad), "bad.toml: 2 faults; unit: missing: 'm' or 'mm'"),
         (("--scene", BENCH, "--aim", "bell"), "unknown target 'bell'; did you mean 'ball'?"),
         (("--aim", "ball"), "`--aim`: expected --scene as well"),
         (("--scene", BENCH, "--prefer", "best"), "unknown --prefer 'best'"),
@@ -123,6 +122,11 @@ def test_what_is_wrong_is_one_line(tmp_path: Path) -> None:
     ]:
         line = one_line(run_command(*words, *more))
         assert expected in line, (more, line)
+    faults = run_command(*words, "--scene", bad)
+    assert faults.exit_code == 2
+    head, first, second = faults.stderr.strip().splitlines()
+    assert head.endswith("bad.toml: 2 faults")
+    assert first.startswith("  unit: missing: 'm' or 'mm'") and second.startswith("  objects")
     assert not (tmp_path / "out.csv").exists()
     own = tmp_path / "bare.toml"
     own.write_text(

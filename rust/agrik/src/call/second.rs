@@ -58,15 +58,20 @@ struct Joint {
     /// Half of its range; 0 where it has no limits to speak of.
     half: f64,
     room: f64,
+    /// What makes the pull off a limit of its distance, 1 or 1/m^2: a slide's steps are in sizes
+    /// of the robot.
+    firmness: f64,
 }
 
 impl Joint {
     fn of(v: &Variable, size: f64) -> Self {
         let bounded = v.upper - v.lower < 1e3 * size.max(1.0) && v.lower < v.upper;
         let half = if bounded { 0.5 * (v.upper - v.lower) } else { 0.0 };
-        let most = if v.kind == JointKind::Prismatic { MOST_ROOM * size } else { MOST_ROOM };
+        let slides = v.kind == JointKind::Prismatic;
+        let most = if slides { MOST_ROOM * size } else { MOST_ROOM };
         let room = (2.0 * ROOM * half).min(most);
-        Self { lower: v.lower, upper: v.upper, middle: v.middle(), half, room }
+        let firmness = if slides { 1.0 / (size * size) } else { 1.0 };
+        Self { lower: v.lower, upper: v.upper, middle: v.middle(), half, room, firmness }
     }
 }
 
@@ -105,7 +110,7 @@ impl Second {
     #[inline(always)]
     pub(crate) fn slope<R: Real>(&self, i: usize, q: R, about: R) -> R {
         let (joint, weight) = (&self.joints[i], self.weights[i]);
-        let Joint { lower, upper, middle, half, room } = *joint;
+        let Joint { lower, upper, middle, half, room, firmness } = *joint;
         match self.measure {
             Merit::Near => (q - about) * R::splat(weight),
             Merit::Middle if half > 0.0 => {
@@ -122,7 +127,7 @@ impl Second {
                 let none = R::zero();
                 let high = (q - R::splat(upper - room)).max(none);
                 let low = (R::splat(lower + room) - q).max(none);
-                high - low
+                (high - low) * R::splat(firmness)
             }
             _ => R::zero(),
         }

@@ -1,5 +1,7 @@
 //! A plan as a call that fills the rows that it is handed.
 
+use smallvec::{SmallVec, smallvec};
+
 use super::Settings;
 use super::engine;
 use super::limit::wound;
@@ -73,15 +75,19 @@ impl Plan<'_> {
             return true;
         }
         if second.merit() != Merit::OffLimits {
-            return self.better(level, vec![rows], keep_going);
+            let mut all = Some(rows);
+            return self.better(level, &mut || all.take(), keep_going);
         }
         if !(0..rows.len()).any(|i| self.stands_at_a_limit(&rows, i)) {
             return true;
         }
-        let mut single = rows.split(1);
+        let mut single: SmallVec<[_; 1]> = match rows.len() {
+            1 => smallvec![rows],
+            _ => rows.split(1).into(),
+        };
         single.retain(|row| self.stands_at_a_limit(row, 0));
-        let open = single.iter_mut().map(AnswersMut::reborrow).collect();
-        if !self.better(level, open, keep_going) {
+        let mut open = single.iter_mut().map(AnswersMut::reborrow);
+        if !self.better(level, &mut || open.next(), keep_going) {
             return false;
         }
         // What a few small steps do not get off a limit may be had by larger ones.
@@ -91,13 +97,13 @@ impl Plan<'_> {
         };
         let mut plan = self.clone();
         plan.request = plan.request.with_second(wider);
-        let open = single.iter_mut().map(AnswersMut::reborrow).collect();
-        if !plan.better(level, open, keep_going) {
+        let mut open = single.iter_mut().map(AnswersMut::reborrow);
+        if !plan.better(level, &mut || open.next(), keep_going) {
             return false;
         }
         // And some only by another solution.
         for mut row in single {
-            if self.stands_at_a_limit(&row, 0) && self.request.guard().is_none() {
+            if self.stands_at_a_limit(&row, 0) {
                 self.elsewhere(level, second, &mut row);
             }
         }
@@ -120,9 +126,15 @@ impl Plan<'_> {
         plan.request = plan.request.with_second(second);
         let mut answers = Answers::new(ELSEWHERE, dof);
         let mut all = Some(answers.as_mut());
-        plan.run(level, &mut || all.take(), &mut || true);
+        // Not `run`, which would look elsewhere for each of these in turn.
+        plan.reach(level, &mut || all.take(), &mut || true);
+        let at_limits = answers.as_mut().split(1).into_iter();
+        let mut open = at_limits.filter(|row| plan.stands_at_a_limit(row, 0));
+        plan.better(level, &mut || open.next(), &mut || true);
         let rows = answers.as_mut();
-        let free = |i: &usize| answers_free(&plan, &rows, *i);
+        let guard = self.request.guard();
+        let accepted = |q: &[f64]| guard.is_none_or(|guard| guard.accept.accepts(q) & 1 != 0);
+        let free = |i: &usize| answers_free(&plan, &rows, *i) && accepted(rows.q(*i));
         let Some(found) = (0..ELSEWHERE).find(free) else { return };
         let (before, new) = (row.outcome(0), rows.outcome(found));
         let outcome = Outcome {
@@ -144,18 +156,14 @@ impl Plan<'_> {
     }
 
     /// Moves answers to where the plan's second aim is best.
-    fn better(
+    fn better<'a>(
         &self,
         level: Level,
-        mut open: Vec<AnswersMut<'_>>,
+        next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
         keep_going: &mut dyn FnMut() -> bool,
     ) -> bool {
-        if open.is_empty() {
-            return true;
-        }
-        let few = self.rows() <= FEW;
-        let kernel = Refinement { plan: self, next: &mut || open.pop(), keep_going };
-        if few { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
+        let kernel = Refinement { plan: self, next, keep_going };
+        if self.rows() <= FEW { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
     }
 }
 

@@ -24,6 +24,8 @@ const FEW: u32 = 12;
 /// length nothing tells, rad or sizes of the robot.
 const LONGEST: f64 = 0.3;
 const FIRST: f64 = 0.1;
+/// The longest towards manipulability, whose slope turns within tenths of a radian.
+const CAREFUL: f64 = 0.1;
 /// A step along the measure below this is none.
 const SETTLED: f64 = 1e-7;
 /// Times that joints are held in one step.
@@ -129,7 +131,8 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             Merit::Near | Merit::OffLimits => R::splat(1.0),
             _ => R::splat(FIRST) / longest,
         };
-        let far = R::splat(LONGEST) / longest;
+        let careful = second.measure == Merit::Manipulability;
+        let far = R::splat(if careful { CAREFUL } else { LONGEST }) / longest;
         let downward = R::and(R::splat(0.5).lt(memory.stepped), turned.le(R::zero()));
         let length = if second.measure == Merit::OffLimits {
             usual.min(far)
