@@ -248,6 +248,8 @@ class UnknownNameError(ArgumentError):
 
 # Faults that a message names.
 _TOLD = 100
+_LETTERS = 400
+"""Of each of them."""
 
 
 class Fault(NamedTuple):
@@ -274,6 +276,10 @@ class Fault(NamedTuple):
         return f"{self.place}: {self.message}" if self.place else self.message
 
 
+def _short(text: str) -> str:
+    return text if len(text) <= _LETTERS else f"{text[: _LETTERS - 3]}..."
+
+
 class _FaultyFileError(AgrikError, ValueError):
     """A file cannot be used; carries every fault found in it."""
 
@@ -286,7 +292,8 @@ class _FaultyFileError(AgrikError, ValueError):
         count = len(self.faults)
         head = f"{file}: {count} fault{'' if count == 1 else 's'}"
         more = [f"  and {count - _TOLD} more"] if count > _TOLD else []
-        super().__init__("\n".join([head, *(f"  {fault}" for fault in self.faults[:_TOLD]), *more]))
+        told = [f"  {_short(str(fault))}" for fault in self.faults[:_TOLD]]
+        super().__init__("\n".join([head, *told, *more]))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.file, self.faults)

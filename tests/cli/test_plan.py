@@ -37,7 +37,7 @@ def test_a_trajectory_is_written_that_is_free(bench: Path, tmp_path: Path) -> No
     names = rows[0].split(",")
     arm = ik.Robot.load("panda")
     table = np.array([[float(x) for x in row.split(",")] for row in rows[1:]])
-    q = table[:, [names.index(name) for name in arm.joint_names]]
+    q = table[:, [names.index(f"{name}_rad") for name in arm.joint_names]]
     np.testing.assert_allclose(q[0], [-1, 0, 0, -1.5, 0, 1.5, 0])
     np.testing.assert_allclose(q[-1], [1, 0, 0, -1.5, 0, 1.5, 0])
     assert motion.check(arm, q, Scene.load(bench)).safe

@@ -139,11 +139,11 @@ def test_faults_of_the_program_are_told_on_one_line(
         assert told.startswith(f"agrik-fast: {text}") and len(told.splitlines()) == 1
 
 
-def test_many_faults_of_a_robot_file_fit_on_a_line(tmp_path: Path) -> None:
+def test_many_faults_of_a_robot_file_fit_on_a_screen(tmp_path: Path) -> None:
     (tmp_path / "r.toml").write_text("".join(f"k{k} = 1\n" for k in range(5000)))
     done = shell(tmp_path, f"{COMMAND} info r.toml")
-    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
-    assert len(done.stderr) < 5000 and "more" in done.stderr
+    assert done.returncode == 2 and len(done.stderr.splitlines()) <= 22
+    assert len(done.stderr) < 10_000 and "more" in done.stderr
 
 
 def test_a_hang_up_that_is_to_be_ignored_is(folder: Path) -> None:

@@ -199,7 +199,7 @@ def test_results_with_codes_that_do_not_exist_are_refused(tmp_path: Path) -> Non
     rows["status"][3] = 77
     np.save(tmp_path / "r.npy", rows)
     with pytest.raises(
-        ResultFileError, match="row 4, 'status': expected a code from 0 to 10, got 77"
+        ResultFileError, match="row 4, 'status': expected a code from 0 to 11, got 77"
     ):
         read_results(tmp_path / "r.npy")
 

@@ -55,8 +55,9 @@ def run_all(job: Any, source: FileSource, folder: Path) -> list[Any]:
 
 def joined(records: list[Any], folder: Path) -> Any:
     chunks = [read_results(folder / record.part)[1] for record in records]
-    names = [field.name for field in dataclasses.fields(chunks[0]) if field.name != "scene"]
-    assert all(chunk.scene is None for chunk in chunks)
+    fields = dataclasses.fields(chunks[0])
+    names = [field.name for field in fields if field.name not in ("scene", "extras")]
+    assert all(chunk.scene is None and not chunk.extras for chunk in chunks)
     return {name: np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names}
 
 
