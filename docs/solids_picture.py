@@ -104,6 +104,7 @@ def frame_box(axis, low, high):
     axis.locator_params(nbins=4)
 
 
+COLUMNS = 4
 POSTURES = {
     "panda": [0.0, -0.4, 0.0, -2.0, 0.0, 1.8, 0.8],
     "ur5": [0.3, -1.2, 1.2, -1.5, -1.57, 0.0],
@@ -115,13 +116,14 @@ POSTURES = {
 def draw_bodies(file, save):
     """Draw the bodies of all bundled arms."""
     names = [name for name in ik.Robot.names() if ik.Robot.load(name).bodies]
-    figure = plt.figure(figsize=(12, 6.4))
+    rows = -(-len(names) // COLUMNS)
+    figure = plt.figure(figsize=(12, 3.2 * rows))
     for place, name in enumerate(names, start=1):
         arm = ik.Robot.load(name)
         low = np.where(np.isfinite(arm.lower), arm.lower, -1.0)
         high = np.where(np.isfinite(arm.upper), arm.upper, 1.0)
         q = np.array(POSTURES.get(name, 0.5 * low + 0.5 * high))
-        axis = figure.add_subplot(2, 4, place, projection="3d")
+        axis = figure.add_subplot(rows, COLUMNS, place, projection="3d")
         shapes = placed(arm, q)
         colors = plt.colormaps["viridis"](np.linspace(0.15, 0.85, len(shapes)))
         for shape, color in zip(shapes, colors, strict=True):

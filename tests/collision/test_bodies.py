@@ -245,7 +245,7 @@ def test_bundled_arms_have_bodies_with_provenance(name: str, load_robot: LoadRob
     assert len(arm.bodies) >= 4
     assert all(body.provenance for body in arm.bodies)
     # The foot of the cucumber's arm is its slide; that of the UR arms is a link of its own.
-    foot = set() if name == "cucumber" or name.startswith("ur") and name != "ur5" else {0}
+    foot = set() if name == "cucumber" or (name.startswith("ur") and name != "ur5") else {0}
     assert {arm.frame_number(body.frame) for body in arm.bodies} >= {1} | foot
     pairs = arm.self_pairs
     count = len(arm.bodies)

@@ -58,11 +58,11 @@ def test_locked_joints_stand_still():
     arm = ik.Robot.load("panda")
     q = arm.random_q(20, seed=1)
     q[:, 2] = 0.3
-    six = arm.lock({"joint3": 0.3})
-    assert six.dof == 6 and "joint3" not in six.joint_names
+    six = arm.lock({"panda_joint3": 0.3})
+    assert six.dof == 6 and "panda_joint3" not in six.joint_names
     np.testing.assert_allclose(six.fk(np.delete(q, 2, axis=1)), arm.fk(q), atol=1e-12)
     assert six.ik(arm.fk(q)).success.all()
-    assert six.lock({"joint1": 0.1, "joint7": 0.2}).dof == 4
+    assert six.lock({"panda_joint1": 0.1, "panda_joint7": 0.2}).dof == 4
     assert pickle.loads(pickle.dumps(six)) == six
     assert six.fingerprint != arm.fingerprint
     assert len(six.bodies) == len(arm.bodies)
@@ -128,13 +128,13 @@ def test_bases_of_each_row_and_several_robots():
 def test_wrong_limits_and_locks_are_named():
     arm = ik.Robot.load("panda")
     with pytest.raises(ArgumentError, match=r"joint3.*within the limits"):
-        arm.lock({"joint3": 9.0})
+        arm.lock({"panda_joint3": 9.0})
     with pytest.raises(UnknownNameError, match="joint"):
         arm.lock({"joint9": 0.0})
     with pytest.raises(ArgumentError, match="at least one"):
-        arm.lock(dict.fromkeys(arm.joint_names, -0.5) | {"joint6": 1.0})
+        arm.lock(dict.fromkeys(arm.joint_names, -0.5) | {"panda_joint6": 1.0})
     with pytest.raises(ArgumentError, match=r"joint1.*lower <= upper"):
-        arm.with_limits({"joint1": (1.0, -1.0)})
+        arm.with_limits({"panda_joint1": (1.0, -1.0)})
     with pytest.raises(UnknownNameError, match="joint"):
         arm.with_limits({"elbow": (0, 1)})
     with pytest.raises(ArgumentError, match="limits"):

@@ -145,21 +145,17 @@ fn smallest(jacobian: &DMatrix<f64>, count: usize) -> f64 {
     values.get(count - 1).map_or(0.0, |x| x.max(0.0).sqrt())
 }
 
-/// The least of `x . A x / 2 - b . x` between bounds, `A` positive definite.
+/// The least of `x . A x / 2 - b . x` between bounds, `A` positive definite: joints are held at a
+/// bound that they come to, and one of them is let go where the rest is at its best (the bounded
+/// least squares of Stark and Parker 1995).
 fn between(a: &DMatrix<f64>, b: &DVector<f64>, least: &[f64], most: &[f64]) -> Vec<f64> {
     let n = b.len();
     let mut x = DVector::from_fn(n, |i, _| 0.0f64.max(least[i]).min(most[i]));
-    for _ in 0..8 * n {
+    let mut held = vec![false; n];
+    let flat = 1e-12 * (1.0 + b.amax());
+    for _ in 0..16 * n {
         let slope = a * &x - b;
-        let is_free = |i: &usize| {
-            let i = *i;
-            !(x[i] <= least[i] && slope[i] >= 0.0 || x[i] >= most[i] && slope[i] <= 0.0)
-        };
-        let free: Vec<usize> = (0..n).filter(is_free).collect();
-        let steep = free.iter().map(|i| slope[*i].abs()).fold(0.0, f64::max);
-        if steep <= 1e-14 * (1.0 + b.amax()) {
-            break;
-        }
+        let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
         let part = DMatrix::from_fn(free.len(), free.len(), |i, j| a[(free[i], free[j])]);
         let down = DVector::from_fn(free.len(), |i, _| -slope[free[i]]);
         let Some(factors) = part.cholesky() else { break };
@@ -168,19 +164,25 @@ fn between(a: &DMatrix<f64>, b: &DVector<f64>, least: &[f64], most: &[f64]) -> V
         let mut share = 1.0;
         let mut stops = None;
         for (k, &i) in free.iter().enumerate() {
-            let room = if step[k] > 0.0 { most[i] - x[i] } else { least[i] - x[i] };
-            if step[k] != 0.0 && room / step[k] < share {
-                share = (room / step[k]).max(0.0);
-                stops = Some((i, if step[k] > 0.0 { most[i] } else { least[i] }));
+            let end = if step[k] > 0.0 { most[i] } else { least[i] };
+            if step[k] != 0.0 && (end - x[i]) / step[k] < share {
+                share = ((end - x[i]) / step[k]).max(0.0);
+                stops = Some((i, end));
             }
         }
         for (k, &i) in free.iter().enumerate() {
             x[i] = (x[i] + share * step[k]).max(least[i]).min(most[i]);
         }
-        match stops {
-            Some((i, end)) => x[i] = end,
-            None if free.len() == n => break,
-            None => {}
+        if let Some((i, end)) = stops {
+            (x[i], held[i]) = (end, true);
+            continue;
+        }
+        let slope = a * &x - b;
+        let inward = |i: usize| if x[i] <= least[i] { -slope[i] } else { slope[i] };
+        let steepest = (0..n).filter(|i| held[*i]).max_by(|i, k| inward(*i).total_cmp(&inward(*k)));
+        match steepest {
+            Some(i) if inward(i) > flat => held[i] = false,
+            _ => break,
         }
     }
     x.iter().copied().collect()

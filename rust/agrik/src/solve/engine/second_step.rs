@@ -26,6 +26,8 @@ const LONGEST: f64 = 0.3;
 const FIRST: f64 = 0.1;
 /// The longest towards manipulability, whose slope turns within tenths of a radian.
 const CAREFUL: f64 = 0.1;
+/// Steps at the end that are left to the target alone.
+const LAST: u32 = 12;
 /// A step along the measure below this is none.
 const SETTLED: f64 = 1e-7;
 /// Times that joints are held in one step.
@@ -42,7 +44,7 @@ pub(super) struct Memory<R> {
     before_q: PerJoint<R>,
     about: PerJoint<R>,
     columns: PerJoint<(usize, V3<R>, V3<R>)>,
-    /// 1 where a step was taken, else 0.
+    /// Steps so far.
     stepped: R,
     /// Lanes at which there is nothing more to do.
     pub settled: u32,
@@ -131,8 +133,13 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             Merit::Near | Merit::OffLimits => R::splat(1.0),
             _ => R::splat(FIRST) / longest,
         };
-        let careful = second.measure == Merit::Manipulability;
-        let far = R::splat(if careful { CAREFUL } else { LONGEST }) / longest;
+        let far = if second.measure == Merit::Manipulability {
+            // Shorter and shorter, as its slope may lead to and fro.
+            let left = R::splat(1.0) - memory.stepped * R::splat(1.0 / f64::from(STEPS - LAST));
+            left.max(R::zero()) * R::splat(CAREFUL) / longest
+        } else {
+            R::splat(LONGEST) / longest
+        };
         let downward = R::and(R::splat(0.5).lt(memory.stepped), turned.le(R::zero()));
         let length = if second.measure == Merit::OffLimits {
             usual.min(far)
@@ -141,7 +148,8 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             R::select(known, secant, usual).min(far)
         };
         let still = R::bits((length * longest).lt(R::splat(SETTLED)));
-        memory.stepped = R::select(R::mask_from_bits(moving), R::splat(1.0), memory.stepped);
+        let counted = memory.stepped + R::splat(1.0);
+        memory.stepped = R::select(R::mask_from_bits(moving), counted, memory.stepped);
         for (change, way) in self.change.iter_mut().zip(&memory.along) {
             *change = length.mul_add(*way, *change);
         }
