@@ -81,12 +81,13 @@ RECORDS = (BaseException, tuple, int, pydantic.BaseModel)
 # Records that the library makes and nobody else.
 ANSWERS = {
     "Arrival", "Attempt", "Blockers", "Branches", "Budget", "CameraCalibration", "CameraPose",
-    "Command", "Commands", "Cone", "Decision", "Decisions", "Detection", "DhRow", "Distances",
-    "Evaluation", "ExcludedPair", "Family", "FruitTruth", "IkResult", "JointPath",
-    "LinkStatistics", "LongFruit", "Obstacle", "PacedResult", "Path", "PathSensitivity", "Plane",
-    "PointingStep", "Programme", "Rendering", "Report", "RigStatus", "Run", "Runs", "SelfPairs",
-    "Sensitivity", "Simulated", "Straightened", "StrawberryResult", "Surface", "Terms",
-    "TomatoBranches", "TomatoResult", "Torques", "Track", "Trajectory",
+    "Checked", "Command", "Commands", "Cone", "Contact", "Cut", "CutProof", "Cycle", "Decision",
+    "Decisions", "Detection", "DhRow", "Distances", "Evaluation", "ExcludedPair", "Family",
+    "FruitTruth", "IkResult", "JointPath", "Leg", "LinkStatistics", "LongFruit", "Obstacle",
+    "PacedResult", "Path", "PathSensitivity", "Plan", "Plane", "PointingStep", "Programme",
+    "Rendering", "Report", "RigStatus", "Run", "Runs", "SelfPairs", "Sensitivity", "Simulated",
+    "Straightened", "StrawberryResult", "Surface", "Terms", "TomatoBranches", "TomatoResult",
+    "Torques", "Track", "Trajectory",
 }  # fmt: skip
 # Objects and files, for which nothing but their own kind makes sense: what is none at all is the
 # type checker's business, as it is for `Robot(definition)`, which users do not call.
@@ -153,6 +154,9 @@ ARGUMENTS: dict[str, Any] = {
     "board": np.stack([np.eye(4)] * 3),
     "boxes": [[10, 10, 20, 20]],
     "camera": paper_camera(),
+    "crate": np.zeros(7),
+    "goals": np.zeros(7),
+    "decisions": ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1"]),
     "clock": Link("loop://").transport,
     "cx": 160.0,
     "cy": 120.0,

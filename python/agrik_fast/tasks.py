@@ -225,7 +225,7 @@ class SecondAim:
         if self.weights is not None:
             if self.measure == "manipulability":
                 raise ArgumentError("SecondAim.weights", "weights", "none for 'manipulability'")
-            if min(self.weights) < 0 or not any(self.weights):
+            if min(self.weights, default=0) < 0 or not any(self.weights):
                 raise ArgumentError(
                     "SecondAim.weights", shown(self.weights), "numbers 0 or more, not all 0"
                 )

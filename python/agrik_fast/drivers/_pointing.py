@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as host_time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, finite_array, real_number, whole_number
+from .._checks import FloatArray, finite_array, real_number, shown, whole_number
 from ..errors import ArgumentError
 from ..vision import (
     CameraError,
@@ -292,7 +292,7 @@ class PointingLoop:
         if frames is not None:
             frames = whole_number("frames", frames, 0)
         steps: list[PointingStep] = []
-        pictures = iter(camera)
+        pictures = _frames(camera)
         while frames is None or len(steps) < frames:
             try:
                 when, image = next(pictures)
@@ -448,3 +448,18 @@ class PointingLoop:
                 if float(np.linalg.norm(points - centre, axis=1).min()) < least:
                     return False
         return True
+
+
+def _frames(camera: object) -> Iterator[Frame]:
+    """Return the pictures of a camera, which are pairs of a time and an image."""
+    expected = "an iterable of (time, image)"
+    if isinstance(camera, str | bytes) or not isinstance(camera, Iterable):
+        raise ArgumentError("camera", shown(camera), expected)
+    try:
+        each = iter(camera)
+    except TypeError:
+        raise ArgumentError("camera", shown(camera), expected) from None
+    for frame in each:
+        if not isinstance(frame, tuple) or len(frame) != 2:
+            raise ArgumentError("camera", f"{shown(frame)} out of it", expected)
+        yield frame

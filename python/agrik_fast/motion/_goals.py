@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, finite_array, float_array, whole_number, word
+from .._checks import FloatArray, finite_array, float_array, shown, whole_number, word
 from ..collision import Scene
 from ..errors import ArgumentError
 from ..robot import Robot
@@ -70,6 +70,8 @@ def goals_of(
     >>> len(goals) >= 8
     True
     """
+    if not isinstance(arm, Robot):
+        raise ArgumentError("arm", shown(arm), "a Robot")
     whole_number("starts", starts, 1)
     size = (4, 4) if word("task", task, ("pose", "position")) == "pose" else (3,)
     given = float_array("targets", targets)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import FloatArray, finite_array, real_number, shown, whole_number
+from .._checks import FloatArray, finite_array, float_array, real_number, shown, whole_number
 from ..collision import Scene
 from ..errors import ArgumentError
 from ..robot import Robot
@@ -245,7 +245,7 @@ def simulate(
     1.0
     """
     case = Case(arm, scene, errors)
-    given = np.asarray(q)
+    given = float_array("q", q)
     rows = finite_array("q", q, (len(given), arm.dof) if given.ndim == 2 else (arm.dof,))
     postures = np.atleast_2d(rows)
     if not len(postures):

@@ -37,10 +37,14 @@ def in_base(own: FloatArray, targets: ArrayLike, base: ArrayLike) -> FloatArray:
     back[..., 3, 3] = 1.0
     moved = own @ back
     seen: FloatArray
-    if goals.shape[-2:] == (4, 4):
-        seen = moved @ goals
-    else:
-        seen = (moved[..., :3, :3] @ goals[..., None])[..., 0] + moved[..., :3, 3]
+    try:
+        if goals.shape[-2:] == (4, 4):
+            seen = moved @ goals
+        else:
+            seen = (moved[..., :3, :3] @ goals[..., None])[..., 0] + moved[..., :3, 3]
+    except ValueError:
+        expected = f"a shape that goes with targets of shape {goals.shape}"
+        raise ArgumentError("base", f"shape {bases.shape}", expected) from None
     return seen
 
 

@@ -88,7 +88,8 @@ class Camera:
         >>> Camera.of_view(320, 240, 60.0).width
         320
         """
-        whole_number("width", width, SMALLEST, 20000)
+        width = whole_number("width", width, SMALLEST, 20000)
+        height = whole_number("height", height, SMALLEST, 20000)
         degrees = real_number("degrees", degrees, 1, 170)
         focal = width / 2 / math.tan(math.radians(degrees) / 2)
         return cls(width, height, focal, focal, (width - 1) / 2, (height - 1) / 2)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks import FloatArray, finite_array, real_number
+from .._checks import FloatArray, finite_array, real_number, shown
 from ..errors import ArgumentError
 from ._camera import Camera
 from ._cone import Cone, best_cone
@@ -312,7 +312,8 @@ class Detector:
         shape = (self.camera.height, self.camera.width)
         given: object = mask
         if not isinstance(given, np.ndarray) or mask.dtype != np.uint8 or mask.shape != shape:
-            received = f"{getattr(mask, 'dtype', type(mask).__name__)}, {np.shape(mask)}"
+            array = isinstance(given, np.ndarray)
+            received = f"{mask.dtype}, {mask.shape}" if array else shown(given)
             raise ArgumentError("mask", received, f"uint8, shape {shape}")
         outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         least = _AREA * (self.camera.width / 320) ** 2
