@@ -200,6 +200,7 @@ class SecondAim:
 
     Examples
     --------
+    >>> from agrik_fast.tasks import SecondAim
     >>> SecondAim("near", posture=(0, 0.5, 0, -1.5, 0, 2, 0.7), weights=(1, 1, 1, 1, 0.1, 0.1, 0.1))
     SecondAim('near')
     """

@@ -123,9 +123,9 @@ class JointLimits:
         Examples
         --------
         >>> from agrik_fast import Robot
-        >>> six = Robot.load("panda").lock({"joint3": 0.3})
+        >>> six = Robot.load("panda").lock({"panda_joint3": 0.3})
         >>> six.dof, six.joint_names[2]
-        (6, 'joint4')
+        (6, 'panda_joint4')
         """
         if not isinstance(joints, Mapping):
             raise ArgumentError("joints", shown(joints), "values by joint name")
