@@ -321,9 +321,11 @@ class _Asked:
             # The way decides which turn it is; a jump may be told instead of a solution.
             if fault.kind not in shown:
                 self._add(fault.kind, fault.row, f"follow: {fault.text}")
-        steps = np.abs(np.diff(np.vstack([stands, path.q]), axis=0))
+        # Too fast a path says so; how far the first row is from where the arm stands is nobody's.
+        steps = np.abs(np.diff(np.vstack([path.q[:1], path.q]), axis=0))
         slack = 4 * judge.EPS * (1 + np.abs(path.q))
-        far = (steps > step + slack).any(axis=1) & ~path.discontinuity & path.success
+        told = path.discontinuity | path.too_fast
+        far = (steps > step + slack).any(axis=1) & ~told & path.success
         for row in np.flatnonzero(far)[:1]:
             text = f"follow: step of {steps[row].max()!r}, at most {step}, no discontinuity told"
             self._add("jump not told", int(row), text)
