@@ -382,6 +382,12 @@ def callables() -> dict[str, Callable[..., Any]]:
 CALLABLES = callables()
 
 
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path, monkeypatch):
+    """What is written to a file named "x" is written somewhere else."""
+    monkeypatch.chdir(tmp_path)
+
+
 def test_the_walk_finds_what_there_is():
     names = " ".join(CALLABLES)
     for one in (
