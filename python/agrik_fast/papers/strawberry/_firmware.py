@@ -280,10 +280,10 @@ def report_lines(found: Sequence[Outcome]) -> list[str]:
 def draw(directory: Path, found: Sequence[Outcome]) -> list[Path]:
     """Draw times and errors of all runs, and the encoders of three of them."""
     colors = {"ncos": PALETTE[0], "ssas": PALETTE[1], "as": PALETTE[2]}
-    drawing = figure(PAGE_WIDTH, 7.5)
-    halves: Any = drawing.subfigures(2, 1)
-    above, below = halves
-    times, errors = above.subplots(1, 2)
+    drawing = figure(PAGE_WIDTH, 11.0)
+    parts: Any = drawing.subfigures(2, 1, height_ratios=(3, 2))
+    above, below = parts
+    times, errors = above.subplots(2, 1)
     times.axhspan(4, 6, color="#dddddd", label="published, 4 to 6 s")
     errors.axhspan(-10, 10, color="#dddddd", label="published, within 10 mm")
     for column in METHODS:
@@ -308,7 +308,7 @@ def draw(directory: Path, found: Sequence[Outcome]) -> list[Path]:
     errors.set_ylabel("tool point less target [mm]")
     for axes in (times, errors):
         axes.set_xlabel("run")
-        axes.legend(ncols=3, loc="upper center")
+        axes.legend(ncols=3, loc="upper center").set_in_layout(False)
     times.set_ylim(3.6, 6.8)
     errors.set_ylim(-12.0, 20.0)
     first = [one for one in found if one.experiment.number <= len(METHODS)]
