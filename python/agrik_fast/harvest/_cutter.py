@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._checks import FloatArray, finite_array, real_number, shown
-from ..collision import Body, Box, CollisionRules, Scene, Sphere
+from ..collision import Body, Box, CollisionRules, Scene, SceneObject, Sphere
 from ..errors import ArgumentError
 from ..robot import Robot
 from ._decisions import Decisions
-from ._station import moved_along
 
 __all__ = ["Cut", "Cutter", "cuts", "with_cutter"]
 
@@ -207,33 +207,46 @@ def cut_distances(
     arm: Robot, scene: Scene, decisions: Decisions, along: FloatArray, cutter: Cutter
 ) -> Cut:
     """Return where the cuts are with the vehicle `along` (n,) (m) the row for each decision."""
-    # One sphere of no size where the blades meet: the core measures from it.
-    probe = arm.with_bodies([Body("cut", "tool", Sphere(cutter.point, 0.0))])
-    stalks = {name: _stalk(scene, name) for name in decisions.names}
+    objects = {one.name: one for one in scene.objects}
+    stalks = {name: _stalk(scene, objects, name) for name in decisions.names}
     known = {name: None for names in stalks.values() for name in names}
     distance = np.full(len(decisions), np.inf)
-    everything = Scene([scene[name] for name in known])
-    for place in np.unique(along):
-        rows = np.flatnonzero(decisions.found & (along == place))
-        rows = rows[[bool(stalks[decisions.names[k]]) for k in rows]]
-        if not len(rows):
-            continue
-        standing = moved_along(probe, float(place))
-        found = everything.distances(standing, decisions.q[rows])
-        nearest = [everything.names[k] for k in found.nearest[:, 0]]
-        for k, name, near in zip(rows, nearest, found.distance[:, 0], strict=True):
+    rows = np.flatnonzero(decisions.found)
+    rows = rows[[bool(stalks[decisions.names[k]]) for k in rows]]
+    if len(rows):
+        points = (arm.fk(decisions.q[rows]) @ [*cutter.point, 1.0])[:, :3]
+        points[:, 1] += along[rows]
+        everything, probe = Scene([objects[name] for name in known]), _probe(points)
+        found = everything.distances(probe, points)
+        names = everything.names
+        nearest = [names[k] for k in found.nearest[:, 0]]
+        for k, name, near, point in zip(rows, nearest, found.distance[:, 0], points, strict=True):
             own = stalks[decisions.names[k]]
             if name not in own:
-                near = Scene([scene[one] for one in own]).clearance(standing, decisions.q[k])
+                near = Scene([objects[one] for one in own]).clearance(probe, point)
             distance[k] = max(0.0, float(near))
     return Cut(distance, distance <= cutter.reach)
 
 
-def _stalk(scene: Scene, target: str) -> list[str]:
+def _probe(points: FloatArray) -> Robot:
+    """Return an arm whose joint values are the place of a sphere of no size."""
+    most = float(np.abs(points).max()) + 1.0
+    links = "".join(f'<link name="l{k}"/>' for k in range(4))
+    joints = "".join(
+        f'<joint name="{name}" type="prismatic"><parent link="l{k}"/><child link="l{k + 1}"/>'
+        f'<axis xyz="{axis}"/><limit lower="{-most}" upper="{most}" effort="1" velocity="1"/>'
+        "</joint>"
+        for k, (name, axis) in enumerate(zip("xyz", ("1 0 0", "0 1 0", "0 0 1"), strict=True))
+    )
+    gantry = Robot.from_urdf(f'<robot name="probe">{links}{joints}</robot>')
+    return gantry.with_bodies([Body("cut", "tool", Sphere((0.0, 0.0, 0.0), 0.0))])
+
+
+def _stalk(scene: Scene, objects: Mapping[str, SceneObject], target: str) -> list[str]:
     """Return the objects of a target that are no fruit."""
     if target not in scene.targets:
         raise ArgumentError("scene", f"no target {target!r}", "the scene of the decisions")
-    return [name for name in scene.targets[target].objects if scene[name].kind != FRUIT]
+    return [name for name in scene.targets[target].objects if objects[name].kind != FRUIT]
 
 
 def _loaded(robot: Robot | str) -> Robot:
