@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from .._bodies import point
 from .._checks import items, real_number, shown, text, word
@@ -59,6 +60,11 @@ class Content:
     touch_radius: float = TOUCH_RADIUS
     target: str | None = None
     """Name of the target that is aimed at."""
+
+    @cached_property
+    def by_name(self) -> dict[str, SceneObject]:
+        """The objects by name, in order."""
+        return {one.name: one for one in self.objects}
 
 
 def checked_content(

@@ -86,7 +86,7 @@ class Scene(Queries):
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the objects, in order."""
-        return tuple(one.name for one in self.objects)
+        return tuple(self._content.by_name)
 
     @property
     def targets(self) -> Mapping[str, Target]:
@@ -112,8 +112,7 @@ class Scene(Queries):
         return len(self.objects)
 
     def __getitem__(self, name: str) -> SceneObject:
-        word("object", name, self.names)
-        return self.objects[self.names.index(name)]
+        return self._content.by_name[word("object", name, self._content.by_name)]
 
     def __repr__(self) -> str:
         solids = sum(map(len, self.objects))

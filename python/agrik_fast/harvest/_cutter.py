@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._checks import FloatArray, finite_array, real_number, shown
-from ..collision import Body, Box, CollisionRules, Scene, SceneObject, Sphere
+from ..collision import Body, Box, CollisionRules, Scene, Sphere
 from ..errors import ArgumentError
 from ..robot import Robot
 from ._decisions import Decisions
+from ._station import loaded
 
 __all__ = ["Cut", "Cutter", "cuts", "with_cutter"]
 
@@ -110,7 +110,7 @@ def with_cutter(robot: Robot | str = "cucumber", cutter: Cutter | None = None) -
     >>> [body.name for body in harvest.with_cutter().bodies][-2:]
     ['gripper', 'cutter']
     """
-    arm = _loaded(robot)
+    arm = loaded(robot)
     of = _checked(cutter)
     bodies = []
     for body in arm.bodies:
@@ -191,7 +191,7 @@ def cuts(
     >>> harvest.cuts("cucumber", scene, found).ok
     array([ True,  True])
     """
-    arm = _loaded(robot)
+    arm = loaded(robot)
     of = _checked(cutter)
     if not isinstance(scene, Scene):
         raise ArgumentError("scene", shown(scene), "a Scene")
@@ -207,8 +207,7 @@ def cut_distances(
     arm: Robot, scene: Scene, decisions: Decisions, along: FloatArray, cutter: Cutter
 ) -> Cut:
     """Return where the cuts are with the vehicle `along` (n,) (m) the row for each decision."""
-    objects = {one.name: one for one in scene.objects}
-    stalks = {name: _stalk(scene, objects, name) for name in decisions.names}
+    stalks = {name: _stalk(scene, name) for name in decisions.names}
     known = {name: None for names in stalks.values() for name in names}
     distance = np.full(len(decisions), np.inf)
     rows = np.flatnonzero(decisions.found)
@@ -216,14 +215,14 @@ def cut_distances(
     if len(rows):
         points = (arm.fk(decisions.q[rows]) @ [*cutter.point, 1.0])[:, :3]
         points[:, 1] += along[rows]
-        everything, probe = Scene([objects[name] for name in known]), _probe(points)
+        everything, probe = Scene([scene[name] for name in known]), _probe(points)
         found = everything.distances(probe, points)
         names = everything.names
         nearest = [names[k] for k in found.nearest[:, 0]]
         for k, name, near, point in zip(rows, nearest, found.distance[:, 0], points, strict=True):
             own = stalks[decisions.names[k]]
             if name not in own:
-                near = Scene([objects[one] for one in own]).clearance(probe, point)
+                near = Scene([scene[one] for one in own]).clearance(probe, point)
             distance[k] = max(0.0, float(near))
     return Cut(distance, distance <= cutter.reach)
 
@@ -242,18 +241,11 @@ def _probe(points: FloatArray) -> Robot:
     return gantry.with_bodies([Body("cut", "tool", Sphere((0.0, 0.0, 0.0), 0.0))])
 
 
-def _stalk(scene: Scene, objects: Mapping[str, SceneObject], target: str) -> list[str]:
+def _stalk(scene: Scene, target: str) -> list[str]:
     """Return the objects of a target that are no fruit."""
     if target not in scene.targets:
         raise ArgumentError("scene", f"no target {target!r}", "the scene of the decisions")
-    return [name for name in scene.targets[target].objects if objects[name].kind != FRUIT]
-
-
-def _loaded(robot: Robot | str) -> Robot:
-    arm = Robot.load(robot) if isinstance(robot, str) else robot
-    if not isinstance(arm, Robot):
-        raise ArgumentError("robot", shown(robot), "a Robot or the name of one")
-    return arm
+    return [name for name in scene.targets[target].objects if scene[name].kind != FRUIT]
 
 
 def _checked(cutter: Cutter | None) -> Cutter:

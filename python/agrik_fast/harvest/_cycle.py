@@ -15,6 +15,7 @@ from ..robot import Robot
 from ._decisions import Decision
 from ._plan import plan
 from ._settings import Settings
+from ._station import loaded
 
 __all__ = ["Cycle", "Leg", "cycle"]
 
@@ -127,7 +128,7 @@ def cycle(
     >>> [leg.name for leg in found.legs]
     ['approach', 'retreat', 'to_crate']
     """
-    arm = Robot.load(robot) if isinstance(robot, str) else robot
+    arm = loaded(robot)
     found = plan(
         arm, scene, [target], settings=settings, path=True, start=start,
         path_settings=path_settings,

@@ -37,6 +37,14 @@ class Chosen:
         return len(self.names)
 
 
+def loaded(robot: Robot | str) -> Robot:
+    """Return a robot, or that of a name."""
+    arm = Robot.load(robot) if isinstance(robot, str) else robot
+    if not isinstance(arm, Robot):
+        raise ArgumentError("robot", shown(robot), "a Robot or the name of one")
+    return arm
+
+
 def moved_along(robot: Robot, along: float) -> Robot:
     """Return a robot that stands `along` (m) farther along y."""
     base = robot.base.copy()
@@ -56,9 +64,7 @@ class Crop:
         split: str,
         along: float = 0.0,
     ) -> None:
-        self.robot = Robot.load(robot) if isinstance(robot, str) else robot
-        if not isinstance(self.robot, Robot):
-            raise ArgumentError("robot", shown(robot), "a Robot or the name of one")
+        self.robot = loaded(robot)
         self.along = along
         if not isinstance(scene, Scene):
             raise ArgumentError("scene", shown(scene), "a Scene")
