@@ -30,8 +30,6 @@ WORTH = 0.85
 MOST = 3
 POINTS = 6000
 """That measure a volume."""
-SCALE = 1.0
-"""Of the files' unit, m."""
 EDGE = 0.04
 """Longest edge of a triangle, m."""
 ROUND = 4
@@ -44,17 +42,18 @@ def main() -> int:
     parser.add_argument("link")
     parser.add_argument("mesh", nargs="+")
     parser.add_argument("--mark", default="M", help="of the provenance (%(default)s)")
+    parser.add_argument("--scale", type=float, default=1.0, help="m in a file's unit (%(default)s)")
     options = parser.parse_args()
-    triangles = np.concatenate([triangles_of(mesh) for mesh in options.mesh])
+    triangles = np.concatenate([triangles_of(mesh, options.scale) for mesh in options.mesh])
     sys.stdout.write(tables(options.link, triangles, options.mark))
     return 0
 
 
-def triangles_of(argument: str) -> Array:
+def triangles_of(argument: str, scale: float = 1.0) -> Array:
     """Return the triangles of a mesh (n, 3, 3) in the link's frame, m."""
     path, *numbers = argument.split()
     mesh = trimesh.load_mesh(Path(path))
-    mesh.apply_scale(SCALE)
+    mesh.apply_scale(scale)
     pose = np.eye(4)
     if numbers:
         x, y, z, roll, pitch, yaw = (float(number) for number in numbers)

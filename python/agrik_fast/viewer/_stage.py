@@ -47,8 +47,7 @@ class Stage:
         self.handle: Any = None
         self._mark: Any = None
         self._label: Any = None
-        # Shadows, and a ground without an end, are worked out for every point of the picture:
-        # without a graphics card that is a picture in ten seconds, and fifty a second so.
+        # Plain: shadows and a ground without an end are worked out for every point of a picture.
         self._scene.configure_default_lights(enabled=True, cast_shadow=False)
         self._ground()
 
