@@ -72,11 +72,15 @@ def judge(
     touching = set(rules.get("may_touch_target", ()))
     tool = numpy_fk.fk(robot, q)[:, :3, 3]
     outside = np.full(len(q), near)
+    balls = [_ball(thing) for thing in scene.objects]
     for body, (frame, solid) in bodies.items():
         if frame == 0:
             continue
-        for thing in scene.objects:
+        centre, radius = numpy_collision.ball(solid)
+        for thing, (middle, reach) in zip(scene.objects, balls, strict=True):
             if (body, thing.name) in skip:
+                continue
+            if np.linalg.norm(centre - middle, axis=-1).min() - radius - reach > near:
                 continue
             rows = np.arange(len(q))
             if target is not None and body in touching and thing.name in target.objects:
@@ -88,10 +92,12 @@ def judge(
     inside = near
     for a, b in self_pairs:
         one, other = bodies[a][1], bodies[b][1]
-        rows = np.flatnonzero(np.broadcast_to(numpy_collision._apart(one, other) < near, len(q)))
-        if len(rows):
-            one, other = (_taken(solid, rows, len(q)) for solid in (one, other))
-            inside = min(inside, float(numpy_collision.distance(one, other).min()))
+        # As in `_least`, but both move.
+        reach = near + 20 * STEP
+        rows = np.arange(0, len(q), 10)
+        coarse = _between(one, other, rows, len(q), reach)
+        rows = np.flatnonzero(np.repeat(coarse < reach, 10)[: len(q)])
+        inside = min(inside, _between(one, other, rows, len(q), near).min(initial=near))
     lower, upper = numpy_fk.limits(robot).T
     return Judged(
         scene=float(outside.min()),
@@ -99,6 +105,17 @@ def judge(
         within_limits=bool(((q >= lower - 1e-9) & (q <= upper + 1e-9)).all()),
         samples=len(q),
     )
+
+
+def _ball(thing: Any) -> tuple[Matrix, float]:
+    """Return a ball round a thing; one without end where it has none."""
+    if len(thing.halfspaces):
+        return np.zeros(3), np.inf
+    points = [(row[:3], row[3]) for row in thing.spheres]
+    points += [(end, row[6]) for row in thing.capsules for end in (row[:3], row[3:6])]
+    points += [(row[:3], np.linalg.norm(row[3:6]) + row[15]) for row in thing.boxes]
+    middle = np.mean([point for point, _ in points], axis=0)
+    return middle, max(float(np.linalg.norm(point - middle)) + r for point, r in points)
 
 
 def _least(solid: Any, thing: Any, near: float) -> Matrix:
@@ -118,6 +135,17 @@ def _least(solid: Any, thing: Any, near: float) -> Matrix:
         close = np.full(len(rows), near)
         numpy_collision._lower(close, solid.take(rows), thing, near)
         least[rows] = close
+    return least
+
+
+def _between(one: Any, other: Any, rows: Matrix, count: int, near: float) -> Matrix:
+    """Return the distances of two bodies at some postures, `near` at most."""
+    one, other = (_taken(solid, rows, count) for solid in (one, other))
+    close = np.flatnonzero(np.broadcast_to(numpy_collision._apart(one, other) < near, len(rows)))
+    least = np.full(len(rows), near)
+    if len(close):
+        one, other = (_taken(solid, close, len(rows)) for solid in (one, other))
+        least[close] = np.minimum(near, numpy_collision.distance(one, other, near))
     return least
 
 
