@@ -247,14 +247,18 @@ def _lower(least: Matrix, solid: Solid, thing: Any, near: float) -> None:
         some = thing.spheres[first : first + 64]
         away = solid.distance_of(some[:, None, :3]) - some[:, None, 3]
         least[:] = np.minimum(least, away.min(axis=0) - solid.radius)
-    others = [Solid("segment", (row[:3], row[3:6]), row[6]) for row in thing.capsules]
-    others += [Solid("box", (row[:3], row[3:6], row[6:15].reshape(3, 3)), row[15])
-               for row in thing.boxes]  # fmt: skip
-    for other in others:
+    for other in _longer(thing):
         rows = np.flatnonzero(_apart(solid, other) < near)
         if len(rows):
             least[rows] = np.minimum(least[rows], distance(solid.take(rows), other, near))
     assert not thing.hulls
+
+
+def _longer(thing: Any) -> list[Solid]:
+    """Return the capsules and boxes of a thing."""
+    found = [Solid("segment", (row[:3], row[3:6]), row[6]) for row in thing.capsules]
+    boxes = ((row, (row[:3], row[3:6], row[6:15].reshape(3, 3))) for row in thing.boxes)
+    return found + [Solid("box", parts, row[15]) for row, parts in boxes]
 
 
 def ball(one: Solid) -> tuple[Matrix, Matrix]:

@@ -8,6 +8,7 @@ distances of `numpy_collision`. What a target may be touched by counts only near
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -54,6 +55,29 @@ def sampled(name: str, path: Matrix) -> Matrix:
     return np.concatenate(rows)
 
 
+def minded(
+    name: str, q: Matrix, scene: Any, target: Any = None, touch_radius: float = 0.15
+) -> Iterator[tuple[str, Any, Matrix]]:
+    """Yield each body that moves with each thing that it minds, and the samples at which."""
+    robot = numpy_fk.load(name)
+    rules = robot.get("collision_rules", {})
+    skip = {tuple(pair) for pair in rules.get("static_skip", ())}
+    touching = set(rules.get("may_touch_target", ()))
+    tool = numpy_fk.fk(robot, q)[:, :3, 3]
+    for body, (frame, _) in numpy_collision.solids_of_arm(name, q[:1]).items():
+        if frame == 0:
+            continue
+        for thing in scene.objects:
+            if (body, thing.name) in skip:
+                continue
+            rows = np.arange(len(q))
+            if target is not None and body in touching and thing.name in target.objects:
+                away = np.linalg.norm(tool - np.array(target.point), axis=1)
+                rows = np.flatnonzero(away > touch_radius)
+            if len(rows):
+                yield body, thing, rows
+
+
 def judge(
     name: str,
     path: Matrix,
@@ -67,28 +91,14 @@ def judge(
     robot = numpy_fk.load(name)
     q = sampled(name, path)
     bodies = numpy_collision.solids_of_arm(name, q)
-    rules = robot.get("collision_rules", {})
-    skip = {tuple(pair) for pair in rules.get("static_skip", ())}
-    touching = set(rules.get("may_touch_target", ()))
-    tool = numpy_fk.fk(robot, q)[:, :3, 3]
     outside = np.full(len(q), near)
-    balls = [_ball(thing) for thing in scene.objects]
-    for body, (frame, solid) in bodies.items():
-        if frame == 0:
+    balls = {thing.name: _ball(thing) for thing in scene.objects}
+    for body, thing, rows in minded(name, q, scene, target, touch_radius):
+        solid = bodies[body][1]
+        (centre, radius), (middle, reach) = numpy_collision.ball(solid), balls[thing.name]
+        if np.linalg.norm(centre - middle, axis=-1).min() - radius - reach > near:
             continue
-        centre, radius = numpy_collision.ball(solid)
-        for thing, (middle, reach) in zip(scene.objects, balls, strict=True):
-            if (body, thing.name) in skip:
-                continue
-            if np.linalg.norm(centre - middle, axis=-1).min() - radius - reach > near:
-                continue
-            rows = np.arange(len(q))
-            if target is not None and body in touching and thing.name in target.objects:
-                away = np.linalg.norm(tool - np.array(target.point), axis=1)
-                rows = np.flatnonzero(away > touch_radius)
-                if not len(rows):
-                    continue
-            outside[rows] = np.minimum(outside[rows], _least(solid.take(rows), thing, near))
+        outside[rows] = np.minimum(outside[rows], _least(solid.take(rows), thing, near))
     inside = near
     for a, b in self_pairs:
         one, other = bodies[a][1], bodies[b][1]
