@@ -130,7 +130,7 @@ def main() -> None:
     begin, seed = time.perf_counter(), given.seed
     with multiprocessing.Pool(given.processes) as pool:
         while arms.total() < given.paths:
-            batch = range(seed, seed + 8 * given.processes)
+            batch = range(seed, seed + 4 * given.processes)
             seed = batch.stop
             for _, kinds, found in pool.imap(of_seed, batch):
                 arms.update(arm for arm, _ in kinds)

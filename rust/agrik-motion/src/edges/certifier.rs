@@ -16,10 +16,6 @@ use crate::{Collider, Contact, Other, Placed};
 /// Postures whose frames are worked out together: one in each of the widest lanes.
 const TOGETHER: usize = 8;
 
-/// Places of a way that are looked at before it is proven: the end, of which less is known than
-/// of the start, then as far apart as can be.
-const PLACES: [f64; TOGETHER] = [1.0, 0.5, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875];
-
 /// Pieces on which nothing moves farther than this leave no share of their margin over, m.
 const END: f64 = 1e-4;
 
@@ -176,19 +172,6 @@ impl<'c> Certifier<'c> {
             }
         }
         self.done(&known)
-    }
-
-    /// True where one of a few postures of the way is too near to something, or hits the arm
-    /// itself: it is not free, and that costs little to know. False says nothing.
-    pub fn meets(&mut self, from: &[f64], to: &[f64]) -> bool {
-        self.frames(&PLACES, from, to);
-        let (collider, clear) = (self.collider, self.keep.clear);
-        let size = FRAME * self.rates.len();
-        let Room { frames, placed, .. } = &mut self.room;
-        frames.chunks(size).any(|frames| {
-            placed.fill(collider.bodies(), frames);
-            collider.hits(placed, clear)
-        })
     }
 
     /// [`Certifier::segment`], with what is too near where the way is not safe.
