@@ -87,11 +87,21 @@ class StereoPair:
             speckleRange=2,
             mode=cv2.STEREO_SGBM_MODE_SGBM_3WAY,
         )
-        grey = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (left, right))
-        disparity = matcher.compute(*grey).astype(np.float64) / 16
+        # The matcher leaves as many columns out as it has disparities, though most things are
+        # farther than the nearest that it can tell: a margin of its own spares the picture's.
+        grey = (
+            cv2.copyMakeBorder(
+                cv2.cvtColor(image, cv2.COLOR_BGR2GRAY),
+                *(0, 0, _DISPARITIES, 0),
+                cv2.BORDER_REPLICATE,
+            )
+            for image in (left, right)
+        )
+        disparity = matcher.compute(*grey)[:, _DISPARITIES:].astype(np.float64) / 16
+        in_both = np.arange(self.camera.width) >= disparity
         with np.errstate(divide="ignore", invalid="ignore"):
             z = self.camera.fx * self.baseline / disparity
-        return np.asarray(np.where(disparity > 0.5, z, np.nan))
+        return np.asarray(np.where((disparity > 0.5) & in_both, z, np.nan))
 
 
 class Triangulated(NamedTuple):
