@@ -16,7 +16,7 @@ from ._camera import Camera
 from ._cone import Cone, best_cone
 from ._cv import opencv
 from ._images import Image, checked_image, of_kind, same_size
-from ._scenes import across
+from ._scenes import across, rim_of
 
 __all__ = ["Detection", "DetectionStatus", "Detector", "red_mask"]
 
@@ -454,12 +454,7 @@ class Detector:
 
     def _at_border(self, axis: FloatArray, alpha: float) -> bool:
         """Whether a cone reaches the picture's border."""
-        first, second = across(axis)
-        turn = np.linspace(0, 2 * math.pi, 24, endpoint=False)
-        rim = math.cos(alpha) * axis + math.sin(alpha) * (
-            np.cos(turn)[:, None] * first + np.sin(turn)[:, None] * second
-        )
-        uv = self.camera.project(rim)
+        uv = self.camera.project(rim_of(axis, alpha, 24))
         size = np.array([self.camera.width, self.camera.height])
         return not bool(((uv > 1) & (uv < size - 2)).all())
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -15,8 +14,8 @@ from .._checks import path as checked_path
 from ..errors import ArgumentError
 from ._camera import Camera
 from ._cv import opencv
-from ._errors import VisionFileError
 from ._images import Image, checked_image, of_kind, same_size
+from ._tables import read_numbers
 
 __all__ = ["StereoPair", "Triangulated", "triangulate"]
 
@@ -168,7 +167,7 @@ def triangulate(
     of_kind("right", right, Camera)
     names: tuple[str, ...] = ()
     if isinstance(matches, str | Path):
-        rows, names = _read(checked_path("matches", matches))
+        rows, names = read_numbers(checked_path("matches", matches), COLUMNS, "name")
     else:
         rows = float_array("matches", matches)
     if rows.ndim != 2 or rows.shape[1] != 4:
@@ -189,34 +188,3 @@ def triangulate(
     points = np.where(good[:, None], (first + second) / 2, np.nan)
     gaps = np.where(good, np.linalg.norm(first - second, axis=1), np.nan)
     return Triangulated(points, gaps, names)
-
-
-def _read(file: Path) -> tuple[FloatArray, tuple[str, ...]]:
-    try:
-        text = file.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise VisionFileError(str(file), error.strerror or str(error)) from None
-    except UnicodeDecodeError:
-        raise VisionFileError(str(file), "no text in UTF-8") from None
-    reader = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
-    header = [each.strip() for each in reader.fieldnames or ()]
-    missing = [name for name in COLUMNS if name not in header]
-    if missing:
-        raise VisionFileError(str(file), f"no column {', '.join(missing)}")
-    reader.fieldnames = header
-    rows, names = [], []
-    for number, row in enumerate(reader, 1):
-        values = []
-        for name in COLUMNS:
-            try:
-                value = float(row[name] or "")
-            except (TypeError, ValueError):
-                value = np.nan
-            if not np.isfinite(value):
-                reason = f"row {number}, column {name}: {row[name]!r} is no number"
-                raise VisionFileError(str(file), reason)
-            values.append(value)
-        rows.append(values)
-        if "name" in header:
-            names.append((row["name"] or "").strip())
-    return np.array(rows, dtype=float).reshape(-1, 4), tuple(names)
