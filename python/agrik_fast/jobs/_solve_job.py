@@ -27,7 +27,15 @@ from ..result import Status
 from ..robot import Robot
 from ..rotations import quat_of
 from ._job import Done, JobError
-from ._task import Near, Vector, check_tolerances, choose_task, task_words
+from ._task import (
+    Near,
+    Vector,
+    check_start,
+    check_tolerances,
+    choose_task,
+    solver_words,
+    task_words,
+)
 
 if TYPE_CHECKING:
     from ..solvers import Solver
@@ -143,6 +151,7 @@ class SolveJob:
 
     def columns(self, schema: Any, refuse: Refusal) -> tuple[str, ...]:
         """Return the columns with position, orientation and id, and those passed on."""
+        check_start(self, self.robot.dof)
         table = TargetTable(schema, refuse)
         for name in self.passed_on:
             if name not in table.extras:
@@ -175,9 +184,8 @@ class SolveJob:
 
     def _results(self, targets: TargetTable) -> ResultTable:
         name, _ = choose_task(self, is_pose=targets.is_pose)
-        solver = self.solver if isinstance(self.solver, str) else repr(self.solver)
         metadata = {"version": __version__, "robot": self.robot.name, "task": name}
-        metadata |= {"solver": solver, **task_words(self, name)}
+        metadata |= {"solver": solver_words(self.solver), **task_words(self, name)}
         layout = self._layout(text_ids=targets.has_text_ids, metadata=metadata)
         return ResultTable(layout, _refuse)
 

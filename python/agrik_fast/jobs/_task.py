@@ -87,6 +87,14 @@ def check_tolerances(asked: Asked) -> None:
         raise ArgumentError("tolerance_frame", repr(frame), "'base' or 'tool'")
 
 
+def check_start(asked: Asked, joints: int) -> None:
+    """Refuse start values of another count than the joints'."""
+    if asked.q0 is not None and len(asked.q0) != joints:
+        count = len(asked.q0)
+        received = "1 number" if count == 1 else f"{count} numbers"
+        raise ArgumentError("q0", received, f"{joints}, one a joint")
+
+
 def task_words(asked: Asked, task: str) -> dict[str, str]:
     """Return how results are made, as the metadata of their files has it."""
     values = {
@@ -105,6 +113,11 @@ def task_words(asked: Asked, task: str) -> dict[str, str]:
         where = asked.direction
         values["direction"] = "the targets' own" if where is None else _words(where)
     return values
+
+
+def solver_words(solver: object) -> str:
+    """Return a solver as the metadata of results has it: its name, or all its settings."""
+    return solver if isinstance(solver, str) else repr(solver)
 
 
 def _words(numbers: float | tuple[float, ...]) -> str:
