@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -108,3 +111,27 @@ def test_plan_takes_links_a_tool_and_a_start(agrik_fast: RunCommand) -> None:
     words = ["plan", "arm.urdf", "--target", "0,0,1", "-o", "u.csv", "--tip-link", "hand"]
     named = agrik_fast(*words)
     assert named.exit_code == 2 and "unknown tip link 'hand'" in named.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("so", {"solve", "solvers"}),
+        ("solve pan", {"panda"}),
+        ("info ur", {"ur10e", "ur3e", "ur5", "ur5e"}),
+        ("solve panda t.csv --tip", {"--tip-link"}),
+        ("solve panda t.csv --solver pin", {"pinv", "pinv-closed"}),
+        ("cluster solve --robot gen", {"gen3"}),
+    ],
+)
+def test_the_shell_completes_names(words: str, expected: set[str]) -> None:
+    asked = {
+        "_AGRIK_FAST_COMPLETE": "complete_bash",
+        "COMP_WORDS": f"agrik-fast {words}",
+        "COMP_CWORD": str(len(words.split())),
+    }
+    program = [sys.executable, "-m", "agrik_fast"]
+    done = subprocess.run(
+        program, env=os.environ | asked, capture_output=True, text=True, check=False
+    )
+    assert set(done.stdout.split()) == expected, done.stderr

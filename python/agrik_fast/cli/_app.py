@@ -89,7 +89,9 @@ def solve(
     ] = None,
     solver: Annotated[
         str,
-        typer.Option(help="Name of the solver."),  # see _SolveCommand
+        typer.Option(  # its help is in _SolveCommand
+            help="Name of the solver.", autocompletion=_options.solver_names
+        ),
     ] = "lm",
     tol: Annotated[
         str,
@@ -229,7 +231,10 @@ def solve(
 def info(
     robot: Annotated[
         str | None,
-        typer.Argument(help="A robot's name or file, as for `solve`; all names if none."),
+        typer.Argument(
+            help="A robot's name or file, as for `solve`; all names if none.",
+            autocompletion=_options.robot_names,
+        ),
     ] = None,
     base_link: _options.BaseLink = None,
     tip_link: _options.TipLink = None,
@@ -430,7 +435,11 @@ def harvest(
     scene: Annotated[Path, typer.Argument(help="Scene with targets: .json or .toml.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
     robot: Annotated[
-        str, typer.Option(help="An arm on a slide with bodies: a name, .toml or .urdf.")
+        str,
+        typer.Option(
+            help="An arm on a slide with bodies: a name, .toml or .urdf.",
+            autocompletion=_options.robot_names,
+        ),
     ] = "cucumber",
     distance: _harvest_options.DistanceOption = "exact",
     refine: _harvest_options.Refine = True,

@@ -31,7 +31,10 @@ def solve(
             "else pose if there are orientations."
         ),
     ] = None,
-    solver: Annotated[str, typer.Option(help="As of `agrik-fast solve`.")] = "lm",
+    solver: Annotated[
+        str,
+        typer.Option(help="As of `agrik-fast solve`.", autocompletion=_options.solver_names),
+    ] = "lm",
     tol: Annotated[
         str, typer.Option(help="Position tolerance in metres; or three, along x, y, z.")
     ] = "1e-6",

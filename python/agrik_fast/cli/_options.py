@@ -11,10 +11,26 @@ from ..errors import AgrikError, ArgumentError
 
 _ValueT = TypeVar("_ValueT")
 
+
+def robot_names(incomplete: str) -> list[str]:
+    """Return the robots whose names begin so, for the shell; files it completes by itself."""
+    from ..robot import Robot
+
+    return [name for name in Robot.names() if name.startswith(incomplete)]
+
+
+def solver_names(incomplete: str) -> list[str]:
+    """Return the solvers whose names begin so, for the shell."""
+    from .._names import solver_names
+
+    return [name for name in solver_names() if name.startswith(incomplete)]
+
+
 Robot = Annotated[
     str,
     typer.Argument(
-        help="A robot's name (see `agrik-fast robots`), or a .toml, .urdf or .xacro file."
+        help="A robot's name (see `agrik-fast robots`), or a .toml, .urdf or .xacro file.",
+        autocompletion=robot_names,
     ),
 ]
 BaseLink = Annotated[str | None, typer.Option("--base-link", help="URDF: first link of the arm.")]
