@@ -15,6 +15,7 @@ from . import _native, _tables
 from ._checks import shown
 from .errors import ArgumentError
 from .plots import outcomes
+from .result import Status
 
 if TYPE_CHECKING:
     from ._native import Branches, IkResult, TargetSolver
@@ -147,8 +148,6 @@ def truth(record: IkResult) -> bool:
 
 def _columns(record: Record) -> dict[str, Any]:
     """Return one column a number, one row a target (of branches: a branch)."""
-    from .result import Status
-
     names = [status.name.lower() for status in Status]
     columns: dict[str, Any] = {}
     leading = record.q.shape[:-1]
@@ -210,11 +209,14 @@ def html_table(record: Record) -> str:
 def last_answer(solver: TargetSolver) -> IkResult:
     """Return the last answer of a solver for one target at a time, as a record of its own."""
     fields = {name: getattr(solver, name) for name in _LAST}
-    fields["status"] = np.uint8(fields["status"])
+    fields |= {"status": np.uint8(fields["status"]), "warnings": np.uint8(0)}
     fields |= {name: np.uint32(fields[name]) for name in ("iterations", "restarts")}
     return cast("IkResult", made("IkResult", fields))
 
 
 def text_of_solver(solver: TargetSolver, head: str) -> str:
     """Return what a solver says of itself: whose it is, and its last answer."""
+    # A call leaves a finite error, or the status of a bad target.
+    if solver.status == Status.NOT_FOUND and np.isinf(solver.position_error):
+        return f"TargetSolver({head}nothing asked yet)"
     return f"TargetSolver({head}{solver.result!r})"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -135,3 +136,29 @@ def test_the_shell_completes_names(words: str, expected: set[str]) -> None:
         program, env=os.environ | asked, capture_output=True, text=True, check=False
     )
     assert set(done.stdout.split()) == expected, done.stderr
+
+
+@pytest.mark.filterwarnings("default::agrik_fast.errors.TargetWarning")
+def test_degrees_and_millimetres_are_noticed(agrik_fast: RunCommand) -> None:
+    Path("d.csv").write_text(
+        "x_m,y_m,z_m,roll_rad,pitch_rad,yaw_rad\n0.4,0.2,0.3,180,0,90\n0.4,0.2,0.3,170,0,80\n"
+    )
+    result = agrik_fast("solve", "ur5", "d.csv", "-o", "d.npz", "--q0", "0,-90,90,0,0,0")
+    assert result.exit_code == 0, result.output
+    said = result.stderr
+    assert "'roll_rad', 'pitch_rad', 'yaw_rad': more than a turn in rad" in said
+    assert "was it meant in degrees, as in 'roll_deg'?" in said
+    assert "q0 is -90 rad for joint 'shoulder_lift': was it meant in degrees?" in said
+    Path("m.csv").write_text("x_m,y_m,z_m\n400,200,300\n,,\n".replace(",,", "nan,1,1"))
+    result = agrik_fast("solve", "ur5", "m.csv", "-o", "m.npz")
+    assert result.exit_code == 0, result.output
+    assert "are the lengths in mm, as in x_mm,y_mm,z_mm?" in result.stderr
+    Path("g.csv").write_text("x_m,y_m,z_m,roll_rad,pitch_rad,yaw_rad\n0.4,0.2,0.3,3.1,0,1.5\n")
+    result = agrik_fast("solve", "ur5", "g.csv", "-o", "g.npz", "--q0", "0,-1.6,1.6,0,0,0")
+    assert result.exit_code == 0 and "meant" not in result.stderr and "mm" not in result.stderr
+
+
+def test_schemas_name_their_dialect(agrik_fast: RunCommand) -> None:
+    for kind in ("robot", "gains", "scene", "calibration"):
+        schema = json.loads(agrik_fast("schema", kind).stdout)
+        assert schema["$schema"].startswith("https://json-schema.org/") and schema["properties"]

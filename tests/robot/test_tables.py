@@ -77,7 +77,7 @@ def test_a_solver_says_its_last_answer(arm: ik.Robot) -> None:
     assert isinstance(last, ik.IkResult) and last.success and np.array_equal(last.q, solver.q)
     assert last.position_error == solver.position_error and last.iterations == solver.iterations
     assert repr(solver).startswith("TargetSolver(panda, IkResult(1 target: 1 converged, q=[")
-    assert repr(arm.solver(max_change=0.1)).startswith("TargetSolver(panda, a loop, IkResult(")
+    assert repr(arm.solver(max_change=0.1)) == "TargetSolver(panda, a loop, nothing asked yet)"
     assert solver.to_dict()["status"] == ik.Status.CONVERGED
     assert len(solver.to_pandas()) == solver.to_arrow().num_rows == 1
     assert solver._repr_html_().startswith("<table>")

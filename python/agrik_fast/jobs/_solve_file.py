@@ -46,6 +46,8 @@ if TYPE_CHECKING:
 # of them.
 WRITE_ROWS = 65_536
 WRITE_ID_BYTES = 32 << 20
+# Reaches beyond which no target lies that was meant in metres.
+_FAR = 30.0
 
 
 @dataclass(frozen=True)
@@ -185,7 +187,7 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     if request.all_branches and request.scene is not None:
         raise ArgumentError("scene", "one", "none: all branches are told, whatever they hit")
     robot = request.choice.load()
-    check_start(request, robot.dof)
+    check_start(request, robot)
     reader = read_targets(request.targets)
     if request.output.exists() and request.output.samefile(request.targets):
         raise ResultFileError(request.output, "is the target file, expected another name")
@@ -202,7 +204,8 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     taken = layout.own_columns
     layout = replace(layout, extras=tuple(e for e in reader.extras if e.name not in taken))
     passed_on = {extra.name for extra in layout.extras}
-    work = Pipeline(reader.chunks(), _solver(robot, task, request))
+    far = _Far(robot)
+    work = Pipeline(reader.chunks(), _solver(robot, task, request, far))
     with open_results(request.output, layout, force=request.force) as writer, progress:
         progress.start(f"{robot.name}, {task_name} task", reader.count)
         for note in robot.notes:
@@ -226,6 +229,7 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
                     waiting.clear()
         if waiting:
             writer.write(ResultChunk.joined(waiting))
+        far.tell(progress)
     summary.solve_s = work.solve_s
     summary.total_s = time.perf_counter() - started
     return summary
@@ -262,14 +266,38 @@ def faults_of(request: SolveRequest) -> list[AgrikError]:
     if robot is not None:
         none = np.zeros((0, 3))
         tried(lambda: robot.ik(none, solver=request.solver))
-        tried(lambda: check_start(request, robot.dof))
+        tried(lambda: check_start(request, robot))
     return found
 
 
-def _solver(robot: Robot, task: JobTask, request: SolveRequest) -> Solve:
+class _Far:
+    """Notices that all targets of a file are so far away that their unit must be another."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._least = np.inf
+
+    def look(self, targets: NDArray[np.float64]) -> None:
+        """Note the nearest of some targets, m."""
+        points = targets[:, :3, 3] if targets.ndim == 3 else targets
+        away = np.linalg.norm(points - self._robot.reach_center, axis=1)
+        self._least = min(self._least, float(np.min(away, initial=np.inf, where=away >= 0.0)))
+
+    def tell(self, progress: Progress) -> None:
+        """Say it."""
+        reach = self._robot.reach_radius
+        if np.isfinite(self._least) and self._least > _FAR * reach:
+            progress.note(
+                f"the nearest target is {self._least:.4g} m away, the arm reaches {reach:.4g} m: "
+                "are the lengths in mm, as in x_mm,y_mm,z_mm?"
+            )
+
+
+def _solver(robot: Robot, task: JobTask, request: SolveRequest, far: _Far) -> Solve:
     def solve(
         targets: NDArray[np.float64], first_index: int, ids: NDArray[Any], extras: Extras
     ) -> ResultChunk:
+        far.look(targets)
         result = robot.ik(
             targets,
             task=task,

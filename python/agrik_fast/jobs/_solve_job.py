@@ -151,7 +151,7 @@ class SolveJob:
 
     def columns(self, schema: Any, refuse: Refusal) -> tuple[str, ...]:
         """Return the columns with position, orientation and id, and those passed on."""
-        check_start(self, self.robot.dof)
+        check_start(self, self.robot)
         table = TargetTable(schema, refuse)
         for name in self.passed_on:
             if name not in table.extras:
