@@ -132,8 +132,14 @@ def draw(file: Path, save) -> None:
     value = resultant(arm, pose, angles)
     curve.plot(angles, np.sign(value) * np.abs(value) ** 0.25, color=GOOD, label="resultant")
     curve.axhline(0, color=PALE, lw=0.8)
+    # Within one turn, as the curve.
     curve.plot(
-        branches[:, 1], np.zeros(len(branches)), "o", color=BAD, ms=4, label="branches of the pose"
+        (branches[:, 1] + np.pi) % (2 * np.pi) - np.pi,
+        np.zeros(len(branches)),
+        "o",
+        color=BAD,
+        ms=4,
+        label="branches of the pose",
     )
     curve.legend()
     curve.set(xlabel=label("joint 2", "rad"), ylabel="fourth root", title="the polynomial")

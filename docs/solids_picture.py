@@ -9,7 +9,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 import agrik_fast as ik
 from agrik_fast.collision import Box, Capsule, Convex, Cover, Scene, Sphere, greenhouse
-from agrik_fast.plots import BAD, FIELD, GOOD, PAGE_WIDTH, PNG_DPI
+from agrik_fast.plots import BAD, FIELD, GOOD, PAGE_WIDTH, PALETTE, PNG_DPI
 
 AROUND = np.linspace(0.0, 2 * np.pi, 13)
 UP = np.linspace(-np.pi / 2, np.pi / 2, 7)
@@ -124,9 +124,9 @@ def draw_bodies(file, save):
         # Numbers at axes as small as these could not be read: the size is told instead.
         axis.set_axis_off()
         size = np.ptp(corners, axis=0).max()
-        axis.set_title(f"{name}: {len(shapes)}\n{size:.2f} m long", y=0.95)
+        axis.set_title(f"{name}: {len(shapes)}\n{size:.2f} m long", y=1.04)
         axis.view_init(20, -55)
-    figure.subplots_adjust(left=0.0, right=1.0, bottom=0.0, top=0.97, wspace=0.0, hspace=0.2)
+    figure.subplots_adjust(left=0.0, right=1.0, bottom=0.0, top=0.94, wspace=0.0, hspace=0.3)
     save(figure, file, dpi=PNG_DPI)
 
 
@@ -184,9 +184,13 @@ def draw_clearance(file, save):
     q = start + share * (goal - start)
     found = scene.distances(arm, q)
     figure, axis = plt.subplots(figsize=(PAGE_WIDTH, 3.2), layout="constrained")
+    drawn = 0
     for k, name in enumerate(found.bodies):
         if np.isfinite(found.distance[:, k]).all() and found.distance[:, k].min() < 0.15:
-            axis.plot(share, 1e3 * found.distance[:, k], label=name, linewidth=1)
+            # There are more bodies than colours that can be told apart.
+            look = {"color": PALETTE[drawn % 6], "linestyle": "-" if drawn < 6 else "--"}
+            axis.plot(share, 1e3 * found.distance[:, k], label=name, linewidth=1, **look)
+            drawn += 1
     least = scene.clearance(arm, q)
     axis.plot(share, 1e3 * least, color="black", linewidth=2.2, label="clearance")
     nearest = found.object_names[np.arange(len(q)), found.distance.argmin(axis=1)]

@@ -204,8 +204,8 @@ def _draw_side(axes: Any, arm: StrawberryArm, target: FloatArray, across: int) -
     from matplotlib.patches import Circle
 
     seen = [across, 2]
-    plant = Circle(1000 * SPHERE_CENTRE[seen], 1000 * SPHERE_RADIUS, color=PLANT, alpha=0.25)
-    plant.set_label("plant")
+    x, z = (1000 * SPHERE_CENTRE[seen]).tolist()
+    plant = Circle((x, z), 1000 * SPHERE_RADIUS, color=PLANT, alpha=0.25, label="plant")
     axes.add_patch(plant)
     for method, (color, style, width) in _METHOD_LOOKS.items():
         points = 1000 * joint_points(arm, arm.solve(target, cast("Column", method)).q)[:, seen]
