@@ -94,7 +94,21 @@ pub trait Kernel {
 /// Runs a kernel with the number type of a level. A level that the machine lacks runs as
 /// [`Level::Scalar`].
 pub fn dispatch<K: Kernel>(level: Level, kernel: K) -> K::Output {
-    dispatch_single(level, kernel)
+    match level {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 if level.is_available() => {
+            // SAFETY: the processor has the features of `with_avx512`, just asked.
+            unsafe { kernel.with_avx512() }
+        }
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 if level.is_available() => {
+            // SAFETY: the processor has the features of `with_avx2`, just asked.
+            unsafe { kernel.with_avx2() }
+        }
+        #[cfg(target_arch = "aarch64")]
+        Level::Neon => kernel.run::<super::neon::F64x4>(),
+        _ => kernel.plain(),
+    }
 }
 
 /// Runs a kernel one number at a time, with the roundings of a level: what a kernel
@@ -108,7 +122,7 @@ pub fn dispatch_single<K: Kernel>(level: Level, kernel: K) -> K::Output {
         }
         #[cfg(target_arch = "aarch64")]
         Level::Neon => kernel.run::<Fused>(),
-        _ => unsafe { kernel.with_fma() },
+        _ => kernel.plain(),
     }
 }
 
