@@ -174,8 +174,10 @@ $(VENV)/.docs: pyproject.toml $(VENV)/.pip
 	@touch $@
 
 $(NATIVE): $(RUST_SOURCES) pyproject.toml $(VENV)/.build
+	@touch $(VENV)/.begun
 	VIRTUAL_ENV=$(abspath $(VENV)) $(PY) -m maturin develop --release $(LOCKED) --extras parquet,drivers
-	@touch $@
+# What changes while it is built is newer.
+	@touch -r $(VENV)/.begun $@
 
 $(ROBOTS)/.done: pyproject.toml
 	$(PYTHON) -m venv $(ROBOTS)
