@@ -354,10 +354,10 @@ class InverseKinematics:
         limits that leave every joint no more than one step. The freedom that a redundant
         arm has is used to stay near the posture before. If that fails, other postures
         within the step are tried. Where the way from the target before goes on, but needs more
-        than a step, it is taken: ``speed`` says by how much it is too fast. Else the path is
-        followed backward from up to 16 postures of the target (of 48 starts), until it meets
-        the one taken so far, or, without `q0`, its free start: so the start is the one whose
-        path holds. If none does, the nearest posture that a search of the whole range finds is
+        than a step, it is taken: ``speed`` says by how much it is too fast. Before that a
+        front of up to 32 postures goes the same way from some targets before, without `q0`
+        also from up to 32 postures of the first target: so the start is the one whose path
+        holds. If none does, the nearest posture that a search of the whole range finds is
         taken and reported as a discontinuity.
 
         Parameters

@@ -6,13 +6,13 @@ use super::Settings;
 use super::engine;
 use super::limit::wound;
 use super::plan::Plan;
-use crate::call::{Answers, AnswersMut, Merit, Outcome, Second, Solve, Status};
+use crate::call::{Answers, AnswersMut, Outcome, Solve, Status};
 use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
 
 /// Up to this many targets are solved one after the other.
 const FEW: usize = 2;
-/// Starts from which a solution off limits is looked for, one after the other, and the number of the first among the
-/// attempts at a target.
+/// Starts from which a solution off limits is looked for, one after the other, and the number of
+/// the first among the attempts at a target.
 const ELSEWHERE: u32 = 8;
 const FAR: u32 = 1 << 16;
 
@@ -32,16 +32,19 @@ impl Solve for Plan<'_> {
         next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
         keep_going: &mut dyn FnMut() -> bool,
     ) -> bool {
-        let Some(second) = self.second_aim() else {
+        let aims = self.second_aim().is_some();
+        if !aims && !self.keeps_off_limits() {
             return self.reach(level, next, keep_going);
-        };
+        }
         // A run is moved on when all of it is reached.
         while let Some(mut rows) = next() {
             let mut all = Some(rows.reborrow());
             if !self.reach(level, &mut || all.take(), keep_going) {
                 return false;
             }
-            if !self.refine(second, level, rows, keep_going) {
+            if !aims {
+                self.leave_limits(level, rows);
+            } else if !self.refine(level, rows, keep_going) {
                 return false;
             }
         }
@@ -63,10 +66,9 @@ impl Plan<'_> {
         if self.rows() <= FEW { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
     }
 
-    /// Moves the answers of a run to where the second aim is best.
+    /// Moves the answers of a run to where the second aim is best, if there is one.
     pub(super) fn refine(
         &self,
-        second: &Second,
         level: Level,
         rows: AnswersMut<'_>,
         keep_going: &mut dyn FnMut() -> bool,
@@ -74,39 +76,28 @@ impl Plan<'_> {
         if self.second_aim().is_none() {
             return true;
         }
-        if second.merit() != Merit::OffLimits {
-            let mut all = Some(rows);
-            return self.better(level, &mut || all.take(), keep_going);
-        }
+        let mut all = Some(rows);
+        let next = &mut || all.take();
+        let kernel = Refinement { plan: self, next, keep_going };
+        if self.rows() <= FEW { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
+    }
+
+    /// Looks for other solutions in place of answers with a joint exactly at a limit.
+    fn leave_limits(&self, level: Level, rows: AnswersMut<'_>) {
         if !(0..rows.len()).any(|i| self.stands_at_a_limit(&rows, i)) {
-            return true;
+            return;
         }
         let mut single: SmallVec<[_; 1]> = match rows.len() {
             1 => smallvec![rows],
             _ => rows.split(1).into(),
         };
-        single.retain(|row| self.stands_at_a_limit(row, 0));
-        let mut open = single.iter_mut().map(AnswersMut::reborrow);
-        if knob(0) == 1 && !self.better(level, &mut || open.next(), keep_going) {
-            return false;
-        }
-        // What a few small steps do not get off a limit may be had by another solution.
-        if knob(1) == 1 {
-            let Some(wider) = self.setup().wider.as_ref().filter(|_| !single.is_empty()) else { return true };
-            single.retain(|row| self.stands_at_a_limit(row, 0));
-            let mut plan = self.clone();
-            plan.request = plan.request.with_second(wider);
-            let mut open = single.iter_mut().map(AnswersMut::reborrow);
-            if !plan.better(level, &mut || open.next(), keep_going) { return false; }
-        }
-        for round in 0..knob(2) {
+        for round in 0..ELSEWHERE {
             single.retain(|row| self.stands_at_a_limit(row, 0));
             if single.is_empty() {
                 break;
             }
             self.elsewhere(level, round, &mut single);
         }
-        true
     }
 
     /// Puts another solution in place of answers, where one start each leads to one with no joint
@@ -125,7 +116,6 @@ impl Plan<'_> {
         let plan = self.with(&targets, &starts, one);
         let mut answers = Answers::new(rows.len(), dof);
         let mut all = Some(answers.as_mut());
-        // Not `run`, which would look elsewhere for each of these in turn.
         plan.reach(level, &mut || all.take(), &mut || true);
         let found = answers.as_mut();
         let guard = self.request.guard();
@@ -152,17 +142,6 @@ impl Plan<'_> {
         let variables = self.request.chain().variables().iter();
         rows.ended(i, Status::Converged)
             && rows.q(i).iter().zip(variables).any(|(x, v)| *x <= v.lower || v.upper <= *x)
-    }
-
-    /// Moves answers to where the plan's second aim is best.
-    fn better<'a>(
-        &self,
-        level: Level,
-        next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
-        keep_going: &mut dyn FnMut() -> bool,
-    ) -> bool {
-        let kernel = Refinement { plan: self, next, keep_going };
-        if self.rows() <= FEW { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
     }
 }
 
@@ -194,9 +173,4 @@ impl Kernel for Loop<'_, '_> {
     fn run<R: Real>(self) -> bool {
         engine::run::<R>(self.plan, self.next, self.keep_going)
     }
-}
-
-fn knob(i: usize) -> u32 {
-    static K: std::sync::OnceLock<Vec<u32>> = std::sync::OnceLock::new();
-    K.get_or_init(|| std::env::var("AGRIK_KNOBS").unwrap_or("1,0,8".into()).split(',').map(|x| x.parse().unwrap_or(0)).collect())[i]
 }

@@ -166,13 +166,7 @@ impl Walker<'_> {
 
     /// Draws each posture of a way to the middle between its neighbours, as far as both stay a
     /// step away; the first one stays unless it is free.
-    fn straighten(
-        &self,
-        first: usize,
-        free: bool,
-        way: &mut [Vec<f64>],
-        outcome: &mut Outcome,
-    ) {
+    fn straighten(&self, first: usize, free: bool, way: &mut [Vec<f64>], outcome: &mut Outcome) {
         let chain = self.follow.plan.request.chain();
         let most = &self.follow.max_joint_step;
         for _ in 0..ROUNDS {
@@ -186,8 +180,7 @@ impl Walker<'_> {
                 };
                 let ranges = bounds_around(chain, &before, most).into_iter();
                 let ranges = ranges.zip(bounds_around(chain, &after, most));
-                let bounds: Vec<_> =
-                    ranges.map(|(a, b)| (a.0.max(b.0), a.1.min(b.1))).collect();
+                let bounds: Vec<_> = ranges.map(|(a, b)| (a.0.max(b.0), a.1.min(b.1))).collect();
                 if bounds.iter().any(|(low, high)| low > high) {
                     continue;
                 }
