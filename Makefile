@@ -21,8 +21,8 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run test lint format bench callgrind aarch64 sanitize miri wheel docs clean build oracle \
-	firmware rigs rigs-full browser gradients vision-full \
-	damaged fuzz-arms fuzz-sample branches branches-sample robustness rust-lint rust-test python-lint python-test
+	firmware rigs rigs-full browser gradients vision-full motion-full branches branches-sample \
+	damaged fuzz-arms fuzz-sample robustness rust-lint rust-test python-lint python-test
 
 help: ## say what every target does
 	@echo 'agrik_fast: `make run` and `make test` need only Rust, Python >= 3.11 and PyPI.'
@@ -82,6 +82,10 @@ vision-full: build $(VENV)/.dev ## the detector on 2,000 renders, the loop befor
 	PYTHONPATH=tests $(PY) tests/vision_renders.py --renders 2000
 	PYTHONPATH=tests $(PY) tests/pointing_full.py --fruits 20
 	AGRIK_ALL_SCENES=1 $(PY) -m pytest --timeout 600 tests/vision/test_stereo_harvest.py
+
+motion-full: build $(VENV)/.dev ## 10,000 paths before a judge of plain NumPy; the large samples of proofs
+	PYTHONPATH=tests $(PY) tests/paths_full.py --paths 10000
+	PYTHONPATH=tests $(PY) tests/proofs_full.py
 
 damaged: build $(VENV)/.dev ## 2,000 damaged files: no traceback, < 500 MB, < 5 s each
 	$(PY) tests/io/damaged_files.py --files 2000
