@@ -696,6 +696,13 @@ def detect(
     radius_mm: Annotated[
         float | None, typer.Option(help="The fruits' radius, mm: places then are in the table.")
     ] = None,
+    boxes: Annotated[
+        Path | None,
+        typer.Option(
+            help="Boxes that you marked (.csv: image,left,top,right,bottom in pixels): says how "
+            "many were found."
+        ),
+    ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Write into a folder that holds files.")
     ] = False,
@@ -711,7 +718,7 @@ def detect(
         from ._detect import detect as look
 
         kept.what = lambda: f"pictures that were finished are in {output}"
-        request = DetectRequest(images, output, calibration, view_deg, radius_mm, force)
+        request = DetectRequest(images, output, calibration, view_deg, radius_mm, boxes, force)
         files = look(request, say)
         with telling(f"files: {output}"):
             for file in files:

@@ -185,8 +185,7 @@ impl<'a> AnyArm<'a> {
             let mut about = [0.0; 6];
             for (x, k) in about.iter_mut().zip(&free[..joints]) {
                 let limit = &every.limits[*k];
-                *x = q0
-                    .map_or(limit.middle, |q0| q0[every.order[*k]].clamp(limit.lower, limit.upper));
+                *x = q0.map_or(limit.middle, |q0| limit.reference(q0[every.order[*k]]));
             }
             near.push(about);
         }

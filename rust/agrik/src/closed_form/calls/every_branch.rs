@@ -97,8 +97,8 @@ fn at_values(
                     let variable = every.order[joint];
                     let limit = every.limits[joint];
                     let of = |row| {
-                        let at = request.start(row).map_or(limit.middle, |q0| q0[variable]);
-                        at.clamp(limit.lower, limit.upper)
+                        let start = request.start(row);
+                        start.map_or(limit.middle, |q0| limit.reference(q0[variable]))
                     };
                     values = (0..request.len()).map(of).collect();
                     Some((joint, Values::Each(&values)))
