@@ -90,7 +90,7 @@ class Tabular:
 
         Examples
         --------
-        >>> arm = ik.Robot.load("tomato")
+        >>> arm = ik.Robot.load("ur5")
         >>> arm.joint_path([arm.home, arm.home + 0.3]).to_arrow().num_rows
         2
         """
@@ -106,7 +106,7 @@ class Tabular:
 
         Examples
         --------
-        >>> arm = ik.Robot.load("tomato")
+        >>> arm = ik.Robot.load("ur5")
         >>> len(arm.joint_path([arm.home, arm.home + 0.3]).to_pandas())
         2
         """

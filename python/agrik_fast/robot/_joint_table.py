@@ -43,7 +43,7 @@ class JointTable(_tables.Tabular):
         --------
         >>> tables = ik.Robot.load("ur5e").to_dict()
         >>> tables["name"], tables["joint"][1]["name"]
-        ('ur5e', 'shoulder_lift_joint')
+        ('ur5e', 'shoulder_pan_joint')
         """
         from ._saving import tables
 
