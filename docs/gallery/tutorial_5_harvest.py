@@ -42,7 +42,7 @@ for name in found.names:
 
 arm = Robot.load("cucumber")
 first = next(name for name in found.names if found[name].status == harvest.Status.OK)
-figure = plt.figure(figsize=(7, 6))
+figure = plt.figure(figsize=(6.5, 5.6))
 space = figure.add_subplot(projection="3d")
 scene.plot(arm, found[first].q, skip=["machine"], view=(22, -120), axes=space)
 space.set_title(f"cucumber picks {first}")
