@@ -67,5 +67,6 @@ again = harvest.plan("cucumber", scene.without(*leaves), [name])
 print(name, harvest.Status(again.status[0]).name)
 
 # %%
-# The same on the command line is ``agrik-fast harvest scene.json -o results``; :doc:`../harvest`
+# The same on the command line is ``agrik-fast harvest scene.json -o results``, after
+# ``scene.save("scene.json")``; :doc:`../harvest`
 # says how the decision is made and what the statuses mean.
