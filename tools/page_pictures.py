@@ -21,8 +21,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "viewer"))
 from browser import chromium
 
 WIDTHS = {"desk": 1280, "phone": 390}
-# Longer pages are cut: a picture has no more lines than a browser can draw.
-_TALLEST = 16_000
+# A tall page is taken in pieces: of more lines a browser draws the first ones again.
+_PIECE = 4000
 # What a program can see: how far the page goes to the right, and what is not shown. Pictures that
 # are loaded when they are scrolled to are loaded first.
 _LOOK = """
@@ -57,12 +57,15 @@ def pictures(driver: Any, site: Path, out: Path, wanted: list[str]) -> Iterator[
                 yield f"{name}: {lost} is not shown"
             for text in seen["small"]:
                 yield f"{name}: too small to be read: {text!r}"
-            clip = {"x": 0, "y": 0, "width": width, "height": min(seen["tall"], _TALLEST)}
-            order = {"format": "png", "captureBeyondViewport": True, "clip": {**clip, "scale": 1}}
-            png = driver.execute_cdp_cmd("Page.captureScreenshot", order)
-            file = out / kind / f"{name.replace('/', '.')}.png"
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_bytes(base64.b64decode(png["data"]))
+            size["height"] = min(seen["tall"], _PIECE)
+            driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {**size, **phone})
+            for number, top in enumerate(range(0, seen["tall"], _PIECE)):
+                driver.execute_script("scrollTo({top: arguments[0], behavior: 'instant'})", top)
+                png = driver.execute_cdp_cmd("Page.captureScreenshot", {"format": "png"})
+                piece = f".{number + 1}" if number else ""
+                file = out / kind / f"{name.replace('/', '.')}{piece}.png"
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.write_bytes(base64.b64decode(png["data"]))
 
 
 def main() -> int:
