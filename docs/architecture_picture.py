@@ -8,8 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.patches import FancyArrowPatch
 
 import layout
+from agrik_fast.plots import BAD, GOOD
 
-INSIDE, OUTSIDE, BOX = "#3b5ba5", "#d01c1c", "#e9eef8"
+INSIDE, OUTSIDE, BOX = GOOD, BAD, "#d6e7f3"
 ROW = 1.0
 WIDTH = 1.5
 Places = dict[str, tuple[float, float]]
@@ -40,7 +41,7 @@ def draw(
     axes.set_ylim(-0.6 * ROW, ROW * (len(floors) - 0.4))
     style = {"boxstyle": "round,pad=0.35", "facecolor": BOX, "edgecolor": INSIDE}
     boxes = {
-        name: axes.text(x, y, name, ha="center", va="center", fontsize=9, bbox=style, zorder=2)
+        name: axes.text(x, y, name, ha="center", va="center", bbox=style, zorder=2)
         for name, (x, y) in at.items()
     }
     # A box has its size once it is drawn, and arrows end at its edge.
@@ -64,7 +65,7 @@ def draw(
             zorder=1,
         )
         axes.add_patch(arrow)
-    axes.set_title(title, fontsize=11)
+    axes.set_title(title)
     axes.set_axis_off()
 
 

@@ -80,6 +80,8 @@ sphinx_gallery_conf = {
     "only_warn_on_example_error": False,
     "plot_gallery": True,
     "capture_repr": (),
+    # Every script begins with Matplotlib's own settings; pictures have the style of all others.
+    "reset_modules": ("matplotlib", "seaborn", "gallery_style.use"),
     "download_all_examples": False,
     "copyfile_regex": r".*\.(urdf|toml)",
     "remove_config_comments": True,

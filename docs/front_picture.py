@@ -6,14 +6,15 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from solids_picture import BLUE, GREEN, GREY, RUST, frame_box, placed
 from solids_picture import draw as draw_solids
+from solids_picture import frame_box, placed
 
 import agrik_fast as ik
 from agrik_fast import viewer
+from agrik_fast.plots import BAD, GREY, PALETTE, PNG_DPI
 
 TARGETS = np.array([[0.55, -0.3, 0.25], [0.45, 0.35, 0.55], [0.15, 0.55, 0.3], [0.95, 0.55, 0.4]])
-COLORS = (GREEN, BLUE, "#8a6fb0", RUST)
+COLORS = (PALETTE[2], PALETTE[0], PALETTE[3], BAD)
 LETTERS = "ABCD"
 START = np.array([0.0, -0.4, 0.0, -2.0, 0.0, 1.8, 0.8])
 
@@ -42,13 +43,14 @@ def draw_arm(arm: ik.Robot, found: ik.IkResult, file: Path, save: Callable[..., 
         x, y, z = target
         space.plot(x, y, z, "o" if found.success[row] else "X", color=color, markersize=9)
         # Letters stand before the solids, which matplotlib would put in front.
-        words = {"color": color, "weight": "bold", "fontsize": 13, "zorder": 1000}
+        words = {"color": color, "weight": "bold", "fontsize": 14, "zorder": 1000}
         space.text(x + 0.09, y, z - 0.03, LETTERS[row], ha="center", **words)
     frame_box(space, (-0.3, -0.55, 0.0), (1.05, 0.75, 1.0))
-    space.set_xlabel("x [m]", fontsize=8)
-    space.set_ylabel("y [m]", fontsize=8)
+    space.set_xlabel("x [m]")
+    space.set_ylabel("y [m]")
+    space.set_zlabel("z [m]")
     space.view_init(22, -58)
-    save(figure, file, dpi=130)
+    save(figure, file, dpi=PNG_DPI)
 
 
 def write_page(arm: ik.Robot, found: ik.IkResult, file: Path) -> None:
@@ -80,4 +82,4 @@ def draw_answers(found: ik.IkResult, file: Path, save: Callable[..., None]) -> N
         else:
             left = f"the nearest posture is {100 * found.position_error[row]:.0f} cm off"
             words.text(0.08, y - 0.07, left, fontsize=10, color="0.25", **mono)
-    save(figure, file, dpi=130)
+    save(figure, file, dpi=PNG_DPI)

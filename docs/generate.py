@@ -19,7 +19,7 @@ import vision_pictures
 
 import agrik_fast as ik
 from agrik_fast.papers import hydrolek, redundant7, strawberry, tomato
-from agrik_fast.plots import PAGE_WIDTH, styled
+from agrik_fast.plots import BAD, GOOD, PAGE_WIDTH, PALE, PALETTE, label, styled
 from agrik_fast.tuning.goals import joint_uniform
 
 mpl.use("Agg")
@@ -40,15 +40,16 @@ def save(figure: plt.Figure, file: Path, **options: float) -> None:
 
 def draw_reach(file: Path) -> None:
     """Draw where the tool points of random joint vectors lie, seen from the side."""
-    figure, axes = plt.subplots(1, len(FIELD_ROBOTS), figsize=(15, 3.6), layout="constrained")
-    for axis, name in zip(axes, FIELD_ROBOTS, strict=True):
+    figure, axes = plt.subplots(2, 3, figsize=(PAGE_WIDTH, 4.6), layout="constrained")
+    for axis, name in zip(axes.flat, FIELD_ROBOTS, strict=False):
         arm = ik.Robot.load(name)
         points = arm.fk(arm.random_q(SAMPLES, seed=0))[:, :3, 3]
-        axis.plot(points[:, 0], points[:, 2], ".", markersize=1, color="#2a7f62", rasterized=True)
+        axis.plot(points[:, 0], points[:, 2], ".", markersize=1, color=GOOD, rasterized=True)
         axis.set_title(name)
         axis.set_xlabel("x [m]")
+        axis.set_ylabel("z [m]")
         axis.set_aspect("equal", adjustable="datalim")
-    axes[0].set_ylabel("z [m]")
+    axes.flat[-1].set_axis_off()
     save(figure, file, dpi=120)
 
 
@@ -56,23 +57,23 @@ def draw_arm_angles(file: Path) -> None:
     """Draw the arm angles that the limits allow for one pose of redundant7, by branch."""
     arm = ik.Robot.load("redundant7")
     pose = arm.fk([2.2, -1.3, 1.1, 1.4, -0.9, 1.2, 0.5])
-    figure, axis = plt.subplots(figsize=(8, 3), layout="constrained")
+    figure, axis = plt.subplots(figsize=(PAGE_WIDTH, 2.8), layout="constrained")
     for branch, intervals in enumerate(arm.arm_angle_intervals(pose)):
         for low, high in np.degrees(intervals):
             # The last interval may go through half a turn.
             for left in (low, low - 360):
-                axis.barh(branch, high - low, left=left, height=0.6, color="#2a7f62")
+                axis.barh(branch, high - low, left=left, height=0.6, color=GOOD)
     axis.set_xlim(-180, 180)
     axis.set_xticks(range(-180, 181, 60))
     axis.set_yticks(range(8))
-    axis.set_xlabel("arm angle [degrees]")
+    axis.set_xlabel(label("arm angle", "°"))
     axis.set_ylabel("branch")
     save(figure, file)
 
 
 def draw_branches(file: Path) -> None:
     """Draw all branches of a pose of the PUMA 560, and one of redundant7 by arm angle."""
-    figure = plt.figure(figsize=(10, 5.4))
+    figure = plt.figure(figsize=(PAGE_WIDTH, 4.6))
     puma = ik.Robot.load("puma560")
     pose = puma.fk([0.4, 0.9, -0.6, 0.5, 0.7, 0.2])
     found = puma.ik_all(pose)
@@ -83,10 +84,10 @@ def draw_branches(file: Path) -> None:
         pair = slice(2 * number, 2 * number + 2)
         points = puma.fk_links(found.q[2 * number])[:, :3, 3]
         style = "-" if found.valid[pair].any() else ":"
-        label = f"{name} pair" + ("" if style == "-" else ", out of limits")
-        wrists.plot(*points.T, style, marker="o", markersize=4, linewidth=2.5, label=label)
-    wrists.plot(*pose[:3, 3], "*", color="#d01c1c", markersize=11, label="tool point")
-    wrists.set_title("puma560: 8 branches, 4 arms with 2 wrists each", fontsize=10)
+        words = f"{name} pair" + ("" if style == "-" else ", out of limits")
+        wrists.plot(*points.T, style, marker="o", markersize=4, linewidth=2.5, label=words)
+    wrists.plot(*pose[:3, 3], "*", color="black", markersize=11, label="tool point")
+    wrists.set_title("puma560: 8 branches,\n4 arms with 2 wrists each")
 
     arm = ik.Robot.load("redundant7")
     q = np.array([0.4, 0.7, 0.2, 1.5, 0.3, 0.6, 0.1])
@@ -97,28 +98,27 @@ def draw_branches(file: Path) -> None:
     circle = figure.add_subplot(1, 2, 2, projection="3d")
     for row in range(0, len(angles), 6):
         inside = turned.valid[row, 0]
-        color, style = ("#2a7f62", "-") if inside else ("#bbbbbb", ":")
+        color, style = (GOOD, "-") if inside else (PALE, ":")
         circle.plot(*links[row].T, style, color=color, linewidth=1.5)
     at_zero = links[len(angles) // 2]
-    circle.plot(*at_zero.T, color="#c0532b", linewidth=3, label="arm angle 0")
+    circle.plot(*at_zero.T, color=BAD, linewidth=3, label="arm angle 0")
     # The elbow is the link that goes furthest round.
     elbow = int(np.ptp(links, axis=0).sum(axis=-1).argmax())
     ring = np.concatenate([links[:, elbow], links[:1, elbow]])
-    circle.plot(*ring.T, color="#3b5ba5", linewidth=1, label="way of the elbow")
-    circle.plot([], [], color="#2a7f62", label="every 30°, within limits")
-    circle.plot([], [], ":", color="#bbbbbb", label="out of limits")
-    circle.plot(*pose[:3, 3], "*", color="#d01c1c", markersize=11, label="tool point")
-    circle.set_title("redundant7: one branch of one pose, by arm angle", fontsize=10)
+    circle.plot(*ring.T, color=PALETTE[2], linewidth=1, label="way of the elbow")
+    circle.plot([], [], color=GOOD, label="every 30°, within limits")
+    circle.plot([], [], ":", color=PALE, label="out of limits")
+    circle.plot(*pose[:3, 3], "*", color="black", markersize=11, label="tool point")
+    circle.set_title("redundant7: one branch\nof one pose, by arm angle")
     for axis in (wrists, circle):
-        axis.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.02), ncols=3)
+        axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.05))
         axis.set_aspect("equal", adjustable="datalim")
         axis.set_box_aspect((1, 1, 1), zoom=0.9)
-        axis.locator_params(nbins=4)
-        axis.tick_params(labelsize=7)
-        axis.set_xlabel("x [m]", fontsize=8)
-        axis.set_ylabel("y [m]", fontsize=8)
-        axis.set_zlabel("z [m]", fontsize=8)
-    figure.subplots_adjust(left=0.01, right=0.96, bottom=0.13, top=0.93, wspace=0.05)
+        axis.locator_params(nbins=3)
+        axis.set_xlabel("x [m]")
+        axis.set_ylabel("y [m]")
+        axis.set_zlabel("z [m]")
+    figure.subplots_adjust(left=0.0, right=0.93, bottom=0.26, top=0.92, wspace=0.12)
     save(figure, file)
 
 
@@ -140,10 +140,11 @@ def draw_laws(folder: Path) -> None:
         "broyden": ("Broyden from static gain",),
     }
     for page, names in pages.items():
-        figure, axis = plt.subplots(figsize=(7, 3), layout="constrained")
-        for name, errors in curves.items():
-            if name not in names:
-                axis.semilogy(errors, color="0.85", linewidth=1)
+        figure, axis = plt.subplots(figsize=(PAGE_WIDTH, 3), layout="constrained")
+        others = [errors for name, errors in curves.items() if name not in names]
+        for number, errors in enumerate(others):
+            words = None if number else "the other methods"
+            axis.semilogy(errors, color=PALE, linewidth=1, label=words)
         for name, style in zip(names, ("-", "--", "-.", ":"), strict=False):
             axis.semilogy(curves[name], style, label=name)
         axis.set_xlabel("steps (sweeps of all joints)")
@@ -203,7 +204,7 @@ def draw_populations(folder: Path) -> None:
         "genetic-algorithm": {"genetic algorithm": genetic, "differential evolution": recipe},
     }
     for page, solvers in variants.items():
-        figure, axis = plt.subplots(figsize=(7, 3.4), layout="constrained")
+        figure, axis = plt.subplots(figsize=(PAGE_WIDTH, 3.2), layout="constrained")
         for name, solver in solvers.items():
             costs = [arm.cost_history(pose, solver, seed=seed) for seed in range(30)]
             axis.semilogy(np.median(costs, axis=0), label=name)

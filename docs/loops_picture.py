@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 
 import agrik_fast as ik
+from agrik_fast.plots import BAD, GOOD, GREY, PAGE_WIDTH
 
 MOST = 0.02
 OUT = (200, 320)
@@ -35,25 +36,26 @@ def drive(arm):
 def draw(file: Path, save) -> None:
     """Draw the largest change of a tick and the error that is left."""
     rows = drive(ik.Robot.load("ur5"))
-    figure, (above, below) = plt.subplots(2, 1, figsize=(9, 5), sharex=True, layout="constrained")
-    ticks = np.arange(len(rows))
-    above.semilogy(ticks, np.maximum(rows[:, 1], 1e-5), color="#c2571a", label="ik(q0=last)")
-    above.semilogy(
-        ticks, np.maximum(rows[:, 0], 1e-5), color="#2a7f62", label="solver(max_change=0.02)"
+    figure, (above, below) = plt.subplots(
+        2, 1, figsize=(PAGE_WIDTH, 4.4), sharex=True, layout="constrained"
     )
+    ticks = np.arange(len(rows))
+    above.semilogy(ticks, np.maximum(rows[:, 1], 1e-5), color=BAD, label="ik(q0=last)")
+    above.semilogy(ticks, np.maximum(rows[:, 0], 1e-5), color=GOOD, label="solver(max_change=0.02)")
     above.axhline(MOST, color="black", linewidth=0.8, linestyle=":")
     above.set_ylabel("largest change [rad]")
-    above.legend(loc="lower left")
-    below.semilogy(ticks, np.maximum(rows[:, 2], 1e-8), color="#2a7f62")
+    below.semilogy(ticks, np.maximum(rows[:, 2], 1e-8), color=GOOD)
     for axis in (above, below):
         axis.fill_between(
             ticks,
             *axis.get_ylim(),
             where=rows[:, 3] > 0,
-            color="#888888",
+            color=GREY,
             alpha=0.2,
             linewidth=0,
+            label="status HELD",
         )
+    above.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
     below.set_ylabel("distance to the target [m]")
-    below.set_xlabel("tick (shaded: HELD)")
+    below.set_xlabel("tick")
     save(figure, file)

@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 
 import agrik_fast as ik
+from agrik_fast.plots import BAD, GOOD, GREY, PAGE_WIDTH, PALE, label
 
 THIRDS = (0.0, 2.0 * np.pi / 3.0, -2.0 * np.pi / 3.0)
 PARTS = np.array([[1, 1, 1], [2, -1, -1], [0, np.sqrt(3), -np.sqrt(3)]]) / 3.0
@@ -106,21 +107,22 @@ def draw(file: Path, save) -> None:
     pose = arm.fk([0.5, 0.6, -1.0, 0.4, 1.1, 0.3])
     found = arm.ik_all(pose)
     branches = found.q[found.reached]
-    figure, (ring, curve, arms) = plt.subplots(1, 3, figsize=(12, 3.8))
+    figure = plt.figure(figsize=(PAGE_WIDTH, 5.6), layout="constrained")
+    panels = figure.subplot_mosaic([["ring", "arms"], ["curve", "curve"]])
+    ring, arms, curve = panels["ring"], panels["arms"], panels["curve"]
     spots = [np.pi / 2 - 2.0 * np.pi * k / 7 for k in range(7)]
     labels = ["goal", "1", "2", "3", "4", "5", "6"]
-    ring.add_patch(plt.Circle((0, 0), 1, fill=False, color="0.7"))
-    for spot, label in zip(spots, labels, strict=True):
-        colour = {"1": "C3", "6": "C3", "2": "C0"}.get(label, "0.4")
-        ring.plot(np.cos(spot), np.sin(spot), "o", ms=18, color=colour)
-        ring.text(np.cos(spot), np.sin(spot), label, color="w", ha="center", va="center", size=7)
+    ring.add_patch(plt.Circle((0, 0), 1, fill=False, color=PALE))
+    for spot, name in zip(spots, labels, strict=True):
+        colour = {"1": BAD, "6": BAD, "2": GOOD}.get(name, GREY)
+        ring.plot(np.cos(spot), np.sin(spot), "o", ms=24, color=colour)
+        ring.text(np.cos(spot), np.sin(spot), name, color="w", ha="center", va="center")
     ring.text(
         0,
         0,
-        "red: eliminated\nblue: hidden, solved for\nthe goal lies between",
+        "orange: eliminated\nblue: solved for\nthe goal lies\nbetween",
         ha="center",
         va="center",
-        size=8,
     )
     ring.set(
         xlim=(-1.3, 1.3), ylim=(-1.3, 1.3), aspect="equal", title="the ring of joints and goal"
@@ -128,10 +130,19 @@ def draw(file: Path, save) -> None:
     ring.axis("off")
     angles = np.linspace(-np.pi, np.pi, 721)
     value = resultant(arm, pose, angles)
-    curve.plot(angles, np.sign(value) * np.abs(value) ** 0.25, color="C0")
-    curve.axhline(0, color="0.7", lw=0.8)
-    curve.plot(branches[:, 1], np.zeros(len(branches)), "o", color="C3", ms=4)
-    curve.set(xlabel="joint 2, rad", ylabel="fourth root of the resultant", title="the polynomial")
+    curve.plot(angles, np.sign(value) * np.abs(value) ** 0.25, color=GOOD, label="resultant")
+    curve.axhline(0, color=PALE, lw=0.8)
+    # Within one turn, as the curve.
+    curve.plot(
+        (branches[:, 1] + np.pi) % (2 * np.pi) - np.pi,
+        np.zeros(len(branches)),
+        "o",
+        color=BAD,
+        ms=4,
+        label="branches of the pose",
+    )
+    curve.legend()
+    curve.set(xlabel=label("joint 2", "rad"), ylabel="fourth root", title="the polynomial")
     for q in branches:
         points = arm.fk_links(q)[:, :3, 3]
         arms.plot(
@@ -142,10 +153,9 @@ def draw(file: Path, save) -> None:
             lw=1,
         )
     arms.set(
-        xlabel="distance from axis 1, m",
-        ylabel="z, m",
+        xlabel=label("distance from axis 1", "m"),
+        ylabel=label("z", "m"),
         aspect="equal",
         title=f"{len(branches)} branches of one pose",
     )
-    figure.tight_layout()
     save(figure, file)

@@ -9,16 +9,8 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 import agrik_fast as ik
 from agrik_fast.collision import Box, Capsule, Convex, Cover, Scene, Sphere, greenhouse
+from agrik_fast.plots import BAD, FIELD, GOOD, PAGE_WIDTH, PALETTE, PNG_DPI
 
-GREEN, RUST, BLUE, GREY = "#2a7f62", "#c0532b", "#3b5ba5", "#8a8a8a"
-KINDS = {
-    "leaf": "#7ab87a",
-    "fruit": "#2f6b2f",
-    "stem": "#6b8e4e",
-    "stalk": "#6b8e4e",
-    "pipe": "#b0b0b0",
-    "machine": "#c9c9c9",
-}
 AROUND = np.linspace(0.0, 2 * np.pi, 13)
 UP = np.linspace(-np.pi / 2, np.pi / 2, 7)
 
@@ -100,8 +92,7 @@ def frame_box(axis, low, high):
     axis.set_ylim(low[1], high[1])
     axis.set_zlim(low[2], high[2])
     axis.set_box_aspect(np.subtract(high, low))
-    axis.tick_params(labelsize=6)
-    axis.locator_params(nbins=4)
+    axis.locator_params(nbins=3)
 
 
 COLUMNS = 4
@@ -117,7 +108,7 @@ def draw_bodies(file, save):
     """Draw the bodies of all bundled arms."""
     names = [name for name in ik.Robot.names() if ik.Robot.load(name).bodies]
     rows = -(-len(names) // COLUMNS)
-    figure = plt.figure(figsize=(12, 3.2 * rows))
+    figure = plt.figure(figsize=(PAGE_WIDTH, 1.75 * rows))
     for place, name in enumerate(names, start=1):
         arm = ik.Robot.load(name)
         low = np.where(np.isfinite(arm.lower), arm.lower, -1.0)
@@ -130,10 +121,13 @@ def draw_bodies(file, save):
             draw(axis, [shape], color)
         corners = np.concatenate([surface(shape).reshape(-1, 3) for shape in shapes])
         frame_box(axis, corners.min(axis=0), corners.max(axis=0))
-        axis.set_title(f"{name}: {len(shapes)} bodies", fontsize=9)
+        # Numbers at axes as small as these could not be read: the size is told instead.
+        axis.set_axis_off()
+        size = np.ptp(corners, axis=0).max()
+        axis.set_title(f"{name}: {len(shapes)}\n{size:.2f} m long", y=1.04)
         axis.view_init(20, -55)
-    figure.subplots_adjust(left=0.0, right=0.98, bottom=0.02, top=0.95, wspace=0.05, hspace=0.1)
-    save(figure, file, dpi=110)
+    figure.subplots_adjust(left=0.0, right=1.0, bottom=0.0, top=0.94, wspace=0.0, hspace=0.3)
+    save(figure, file, dpi=PNG_DPI)
 
 
 def draw_greenhouse(file, save):
@@ -151,26 +145,26 @@ def draw_greenhouse(file, save):
     gaps = np.where(hits & free.success, aim.clearance(arm, free.q), -1.0)
     row = int(gaps.argmax())
     assert gaps[row] > 0.0
-    figure = plt.figure(figsize=(10, 5.6))
+    figure = plt.figure(figsize=(PAGE_WIDTH, 4.0))
     for place, (q, words) in enumerate(
         [(plain.q[row], "without a scene"), (free.q[row], "with the scene")], start=1
     ):
         axis = figure.add_subplot(1, 2, place, projection="3d")
         for one in scene.objects:
-            if one.kind in KINDS:
-                draw(axis, one.shapes(), KINDS[one.kind], 0.35 if one.kind == "machine" else 1.0)
+            if one.kind in FIELD and one.kind != "ground":
+                draw(axis, one.shapes(), FIELD[one.kind], 0.35 if one.kind == "machine" else 1.0)
         found = aim.distances(arm, q)
         for shape, gap in zip(placed(arm, q), found.distance, strict=True):
-            draw(axis, [shape], RUST if gap <= 0 else BLUE, 0.9)
+            draw(axis, [shape], BAD if gap <= 0 else GOOD, 0.9)
         gap, body = float(found.distance.min()), int(found.distance.argmin())
         what = f"{found.bodies[body]}, {1e3 * gap:.0f} mm from {found.object_names[body]}"
         if gap <= 0:
             what = f"{found.bodies[body]} hits {found.object_names[body]}"
-        axis.set_title(f"{words}: {what}", fontsize=9)
+        axis.set_title(f"{words}:\n{what}")
         frame_box(axis, (-0.4, -0.7, 0.2), (1.0, 0.8, 1.9))
         axis.view_init(24, -130)
-    figure.subplots_adjust(left=0.0, right=0.98, bottom=0.0, top=0.95, wspace=0.02)
-    save(figure, file, dpi=110)
+    figure.subplots_adjust(left=0.0, right=0.95, bottom=0.03, top=0.92, wspace=0.08)
+    save(figure, file, dpi=PNG_DPI)
 
 
 def turn_about_x(angle):
@@ -189,10 +183,14 @@ def draw_clearance(file, save):
     start, goal = arm.random_q(2, seed=2)
     q = start + share * (goal - start)
     found = scene.distances(arm, q)
-    figure, axis = plt.subplots(figsize=(8, 3.4), layout="constrained")
+    figure, axis = plt.subplots(figsize=(PAGE_WIDTH, 3.2), layout="constrained")
+    drawn = 0
     for k, name in enumerate(found.bodies):
         if np.isfinite(found.distance[:, k]).all() and found.distance[:, k].min() < 0.15:
-            axis.plot(share, 1e3 * found.distance[:, k], label=name, linewidth=1)
+            # There are more bodies than colours that can be told apart.
+            look = {"color": PALETTE[drawn % 6], "linestyle": "-" if drawn < 6 else "--"}
+            axis.plot(share, 1e3 * found.distance[:, k], label=name, linewidth=1, **look)
+            drawn += 1
     least = scene.clearance(arm, q)
     axis.plot(share, 1e3 * least, color="black", linewidth=2.2, label="clearance")
     nearest = found.object_names[np.arange(len(q)), found.distance.argmin(axis=1)]
@@ -200,11 +198,11 @@ def draw_clearance(file, save):
     for first, last in itertools.pairwise(changes):
         if last - first > 8:
             middle = (first + last) // 2
-            axis.annotate(nearest[middle], (share[middle, 0], 1e3 * least[middle]), fontsize=8,
+            axis.annotate(nearest[middle], (share[middle, 0], 1e3 * least[middle]),
                           xytext=(0, -12), textcoords="offset points", ha="center")  # fmt: skip
-    axis.axhline(0.0, color=RUST, linewidth=0.8)
+    axis.axhline(0.0, color=BAD, linewidth=0.8)
     axis.set_ylim(-20, 260)
     axis.set_xlabel("share of the move")
     axis.set_ylabel("distance [mm]")
-    axis.legend(fontsize=7, ncols=2)
+    figure.legend(loc="outside right center")
     save(figure, file)

@@ -10,9 +10,10 @@ from matplotlib import pyplot as plt
 
 import agrik_fast as ik
 from agrik_fast import motion
+from agrik_fast.plots import GREY, PAGE_WIDTH, PALETTE
 
-# Joints that are drawn, with colours that can be told apart by all.
-JOINTS = {"shoulder_pan": "#3b5ba5", "shoulder_lift": "#c0532b", "elbow": "#2a7f62"}
+JOINTS = dict(zip(("shoulder_pan", "shoulder_lift", "elbow"), PALETTE, strict=False))
+"""Joints that are drawn, by colour."""
 DEGREES = (
     (0.0, -90.0, 90.0, 0.0, 0.0, 0.0),
     (50.0, -60.0, 60.0, 0.0, 0.0, 0.0),
@@ -26,16 +27,16 @@ def draw(file: Path, save: Callable[[plt.Figure, Path], None]) -> None:
     arm = ik.Robot.load("ur5")
     waypoints = np.radians(DEGREES)
     motions = {
-        "rest at every waypoint": motion.time_law(arm, waypoints, rate=500.0),
-        "corners rounded (blend=0.4)": motion.time_law(arm, waypoints, blend=0.4, rate=500.0),
+        "rest at waypoints": motion.time_law(arm, waypoints, rate=500.0),
+        "blend=0.4": motion.time_law(arm, waypoints, blend=0.4, rate=500.0),
     }
     rows = ("joint value [°]", "velocity [°/s]", "acceleration [°/s²]")
     figure, axes = plt.subplots(
-        3, 2, figsize=(9, 5.6), sharex=True, sharey="row", layout="constrained"
+        3, 2, figsize=(PAGE_WIDTH, 5.4), sharex=True, sharey="row", layout="constrained"
     )
     longest = max(one.duration for one in motions.values())
     for column, (title, one) in zip(axes.T, motions.items(), strict=True):
-        column[0].set_title(f"{title}: {one.duration:.2f} s", fontsize=10)
+        column[0].set_title(f"{title}: {one.duration:.2f} s")
         column[-1].set_xlabel("time [s]")
         for axis, block in zip(
             column, (one.positions, one.velocities, one.accelerations), strict=True
@@ -51,14 +52,13 @@ def draw(file: Path, save: Callable[[plt.Figure, Path], None]) -> None:
         limit = float(np.degrees(limits[0]))
         for one in axis:
             for sign in (-1, 1):
-                one.axhline(sign * limit, color="0.5", linestyle="--", linewidth=0.8)
+                one.axhline(sign * limit, color=GREY, linestyle="--", linewidth=0.8)
     lines, names = axes[0, 0].get_legend_handles_labels()
-    figure.legend(lines, names, fontsize=9, loc="outside lower center", ncols=3)
+    figure.legend(lines, names, loc="outside lower center", ncols=3)
     axes[1, 0].text(
         0.02 * longest,
         0.97 * np.degrees(arm.velocity_limits[0]),
         "limit",
-        fontsize=8,
         color="0.4",
         va="top",
     )

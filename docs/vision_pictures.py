@@ -8,6 +8,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib import pyplot as plt
 
+from agrik_fast.plots import PAGE_WIDTH, PNG_DPI
 from agrik_fast.vision import (
     KINDS,
     Camera,
@@ -53,15 +54,15 @@ def draw_depth(file: Path) -> None:
     right[0, 3] = pair.baseline
     one, other = (render(scene, camera, pose=pose) for pose in (np.eye(4), right))
     off = 1000 * (pair.depth(one.image, other.image) - one.depth)
-    figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.2), layout="constrained")
+    figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.4), layout="constrained")
     axes[0].imshow(one.image[..., ::-1])
     axes[0].set_title("left picture")
     shown = axes[1].imshow(off, cmap="RdBu", vmin=-20, vmax=20)
-    axes[1].set_title("stereo depth less the true one [mm]; white unmatched")
-    figure.colorbar(shown, ax=axes[1])
+    axes[1].set_title("stereo depth (white: none found)")
+    figure.colorbar(shown, ax=axes[1], label="less the true depth [mm]")
     for each in axes:
         each.axis("off")
-    figure.savefig(file, dpi=110)
+    figure.savefig(file, dpi=PNG_DPI)
     plt.close(figure)
 
 

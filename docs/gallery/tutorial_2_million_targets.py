@@ -54,9 +54,9 @@ solved = result.success
 off = np.linalg.norm(arm.fk(result.q[solved])[:, :3, 3] - poses[solved, :3, 3], axis=1)
 print(f"worst of {solved.sum()} solved: {off.max():.1e} m")
 
-figure, axis = plt.subplots(figsize=(6, 3), layout="constrained")
-axis.hist(np.log10(np.maximum(off, 1e-17)), bins=60, color="#3b5ba5")
-axis.axvline(-6, color="#c0532b", label="tolerance")
+figure, axis = plt.subplots(figsize=(6.5, 3), layout="constrained")
+axis.hist(np.log10(np.maximum(off, 1e-17)), bins=60)
+axis.axvline(-6, color="C1", label="tolerance")
 axis.set(xlabel="position error [m], as power of ten", ylabel="targets")
 axis.legend()
 

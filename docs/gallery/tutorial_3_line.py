@@ -52,16 +52,17 @@ used = np.abs(trajectory.velocities).max(axis=0) / arm.velocity_limits
 print("share of each joint's velocity limit:", used.round(2))
 
 figure, (above, middle, below) = plt.subplots(
-    3, 1, figsize=(7, 6), layout="constrained", sharex=True
+    3, 1, figsize=(6.5, 5.4), layout="constrained", sharex=True
 )
 speed = np.linalg.norm(np.gradient(way, trajectory.times, axis=0), axis=1)
 above.plot(trajectory.times, speed)
-above.axhline(0.25, color="#c0532b", linewidth=0.8)
+above.axhline(0.25, color="C1", linewidth=0.8)
 above.set_ylabel("tool [m/s]")
-middle.plot(trajectory.times, trajectory.velocities)
+middle.plot(trajectory.times, trajectory.velocities, label=arm.joint_names)
 middle.set_ylabel("joints [rad/s]")
 below.plot(trajectory.times, trajectory.accelerations)
 below.set(ylabel="joints [rad/s²]", xlabel="time [s]")
+figure.legend(loc="outside lower center", ncols=4)
 
 # %%
 # For others to play

@@ -59,14 +59,14 @@ print(f"largest step of a joint: {np.degrees(np.abs(np.diff(answers, axis=0)).ma
 # What came out
 # -------------
 
-figure, (above, below) = plt.subplots(2, 1, figsize=(7, 4.6), layout="constrained", sharex=True)
+figure, (above, below) = plt.subplots(2, 1, figsize=(6.5, 4.6), layout="constrained", sharex=True)
 above.plot(np.arange(len(poses)) / 1000, np.degrees(answers), label=arm.joint_names)
 above.set(ylabel="joints [degrees]")
-above.legend(fontsize=7, ncols=4)
+figure.legend(loc="outside lower center", ncols=4)
 below.semilogy(np.arange(len(poses)) / 1000, micros)
-below.axhline(1000, color="#c0532b", label="a tick at 1 kHz")
-below.set(xlabel="time [s]", ylabel="time of a call [us]")
-below.legend(fontsize=8)
+below.axhline(1000, color="C1", label="a tick at 1 kHz")
+below.set(xlabel="time [s]", ylabel="time of a call [µs]")
+below.legend()
 
 # %%
 # A redundant arm drifts: after one round the tool is back where it was, the joints need not be.

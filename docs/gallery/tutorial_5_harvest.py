@@ -42,7 +42,7 @@ for name in found.names:
 
 arm = Robot.load("cucumber")
 first = next(name for name in found.names if found[name].status == harvest.Status.OK)
-figure = plt.figure(figsize=(7, 6))
+figure = plt.figure(figsize=(6.5, 5.6))
 space = figure.add_subplot(projection="3d")
 scene.plot(arm, found[first].q, skip=["machine"], view=(22, -120), axes=space)
 space.set_title(f"cucumber picks {first}")
@@ -67,5 +67,6 @@ again = harvest.plan("cucumber", scene.without(*leaves), [name])
 print(name, harvest.Status(again.status[0]).name)
 
 # %%
-# The same on the command line is ``agrik-fast harvest scene.json -o results``; :doc:`../harvest`
+# The same on the command line is ``agrik-fast harvest scene.json -o results``, after
+# ``scene.save("scene.json")``; :doc:`../harvest`
 # says how the decision is made and what the statuses mean.

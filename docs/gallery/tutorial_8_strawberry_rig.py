@@ -49,10 +49,10 @@ print(np.round(rig.status().q, 4))
 
 back = rig.reset()
 
-figure, axis = plt.subplots(figsize=(7.5, 3.4), layout="constrained")
+figure, axis = plt.subplots(figsize=(6.5, 3.4), layout="constrained")
 names = list(dict.fromkeys(step.axis for step in (*run.steps, *back.steps)))
 for step in (*run.steps, *back.steps):
-    color = "#3b5ba5" if step in run.steps else "#c0532b"
+    color = "C0" if step in run.steps else "C1"
     axis.barh(names.index(step.axis), step.end - step.begin, left=step.begin, color=color)
 axis.set_yticks(range(len(names)), names)
 axis.set_xlabel("time [s]")

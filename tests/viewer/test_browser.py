@@ -197,6 +197,13 @@ def test_what_is_taken_away(desktop: Page, viewer: Viewer) -> None:
     wait_for(lambda: viewer._tabs.export._script.visible, "the script")
     area = wait_for(lambda: desktop.find("textarea"), "a place for it")[0]
     script = wait_for(lambda: area.get_attribute("value"), "its text")
+    page_of = desktop.driver
+    grant = {"permissions": ["clipboardReadWrite", "clipboardSanitizedWrite"]}
+    page_of.execute_cdp_cmd("Browser.grantPermissions", {"origin": viewer.url, **grant})
+    desktop.button("copy to the clipboard")
+    desktop.button("copied")
+    read = "navigator.clipboard.readText().then(arguments[0])"
+    assert page_of.execute_async_script(read) == script
     names: dict[str, Any] = {}
     exec(script, names)
     assert np.abs(names["result"].q - viewer.q).max() < 1e-6

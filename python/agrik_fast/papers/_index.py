@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import html
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -57,7 +58,7 @@ def write_index(directory: Path, papers: Sequence[str]) -> Path:
         "<h1>The papers, computed anew</h1>",
         f"<p>agrik_fast {html.escape(__version__)}. Columns on a tinted ground are what the paper "
         "prints; beside them is what this library computes.</p>",
-        "<nav>" + "".join(f'<a href="#{name}">{name}</a>' for name in papers) + "</nav>",
+        "<nav>" + " ".join(f'<a href="#{name}">{name}</a>' for name in papers) + "</nav>",
     ]
     for name in papers:
         lines += _paper(directory / name, name)
@@ -110,6 +111,8 @@ def _cell(text: str) -> str:
         value = float(text)
     except ValueError:
         return html.escape(text)
+    if math.isnan(value):
+        return ""
     return f"{value:.5g}" if len(text) > 8 else html.escape(text)
 
 

@@ -18,6 +18,7 @@ from ._style import (
     STATUS_COLOURS,
     figure,
     label,
+    style,
     styled,
 )
 
@@ -41,5 +42,6 @@ __all__ = [
     "outcomes",
     "space",
     "space_or",
+    "style",
     "styled",
 ]

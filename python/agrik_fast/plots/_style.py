@@ -69,6 +69,32 @@ _P = ParamSpec("_P")
 _T = TypeVar("_T")
 
 
+def style() -> dict[str, Any]:
+    """Return the settings of this package's figures: sizes for a page's width, colours, frames.
+
+    Returns
+    -------
+    dict
+        For ``matplotlib.rcParams.update`` or ``matplotlib.rc_context``.
+
+    Raises
+    ------
+    MissingExtraError
+        Matplotlib is not installed.
+
+    Examples
+    --------
+    >>> from agrik_fast.plots import style
+    >>> style()["font.size"]
+    9
+    """
+    try:
+        from cycler import cycler
+    except ImportError:
+        raise MissingExtraError("figures (Matplotlib)", "plots") from None
+    return {**_STYLE, "axes.prop_cycle": cycler(color=PALETTE)}
+
+
 def styled(draw: Callable[_P, _T]) -> Callable[_P, _T]:
     """Return a function that draws in the style of this package's figures.
 
@@ -96,12 +122,10 @@ def styled(draw: Callable[_P, _T]) -> Callable[_P, _T]:
 
     @functools.wraps(draw)
     def drawn(*args: _P.args, **kwargs: _P.kwargs) -> _T:
-        figure(1.0, 1.0)  # says what is missing
+        settings: Any = style()  # says what is missing
         import matplotlib as mpl
-        from cycler import cycler
 
-        style: Any = {**_STYLE, "axes.prop_cycle": cycler(color=PALETTE)}
-        with mpl.rc_context(style):
+        with mpl.rc_context(settings):
             return draw(*args, **kwargs)
 
     return drawn

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import html
 import io
 from typing import Any
 
@@ -28,14 +29,14 @@ class ExportTab:
             picture = gui.add_button("picture (PNG)")
             whole = gui.add_button("page without a server (HTML)")
             table = gui.add_button("target and joint values (CSV)")
-            self._script = gui.add_text("Python", "", multiline=True, visible=False)
+            self._script = gui.add_html("", visible=False)
         script.on_click(lambda _: panel.worker.submit("script", self._show_script))
         picture.on_click(self._picture)
         whole.on_click(self._page)
         table.on_click(self._table)
 
     def _show_script(self) -> None:
-        self._script.value = self._panel.session.python()
+        self._script.content = script_box(self._panel.session.python())
         self._script.visible = True
 
     def _send(self, event: Any, name: str, content: bytes) -> None:
@@ -61,6 +62,28 @@ class ExportTab:
         session, way = self._panel.session, self._path.way
         rows = session.q[None] if way is None else way.q
         self._send(event, "arm.csv", table(session.robot, rows))
+
+
+# A page that came from another machine has no clipboard: there the selection is copied.
+_COPY = (
+    "const box = this.nextElementSibling; box.focus(); box.select();"
+    " const said = () => { this.textContent = 'copied'; };"
+    " if (navigator.clipboard) navigator.clipboard.writeText(box.value).then(said);"
+    " else if (document.execCommand('copy')) said();"
+)
+
+
+def script_box(script: str) -> str:
+    """Return a script as HTML: text that can be selected, and a button that copies it."""
+    style = "width:100%;height:9em;font:0.8em monospace;white-space:pre;box-sizing:border-box"
+    return (
+        '<div style="padding:0 0.8em">'
+        f'<button onclick="{html.escape(_COPY)}" style="margin-bottom:0.4em;padding:0.2em 0.8em;'
+        "border:1px solid #00507d;border-radius:0.2em;background:#fff;color:#00507d;"
+        'cursor:pointer">copy to the clipboard</button>'
+        f'<textarea readonly aria-label="Python" style="{style}">{html.escape(script)}</textarea>'
+        "</div>"
+    )
 
 
 def png(pixels: Any) -> bytes:

@@ -15,8 +15,10 @@ from ._session import TASKS, Branch, Session, solvers
 from ._stage import Stage
 from ._worker import Worker
 
-# Text for eyes: at most so often, s.
+# Text for eyes: at most so often, s; fields beside a hand that drags: a browser takes longer for
+# them than for all the rest.
 _TEXT_EVERY = 0.05
+_FIELDS_EVERY = 0.3
 _PHONE = 600
 """Pictures narrower than this are those of telephones, px."""
 _FIELDS = ("x [m]", "y [m]", "z [m]", "roll [deg]", "pitch [deg]", "yaw [deg]")
@@ -48,6 +50,7 @@ class Panel:
         """Told after another arm was taken."""
         self.note = ""
         self._said = 0.0
+        self._filled = 0.0
         self._found: list[Branch] = []
         self._joints: list[Any] = []
         gui = server.gui
@@ -201,7 +204,9 @@ class Panel:
 
         target = pose(handle.position, quat=np.roll(handle.wxyz, -1))
         self.session.aim(target, remember=False)
-        self.refresh(handle=False)
+        self.refresh(handle=False, fields=False)
+        wait = self._filled + _FIELDS_EVERY - time.monotonic()
+        self.worker.submit("fields", self._fill, after=max(wait, 0.0))
 
     def _aim_numbers(self) -> None:
         self.session.aim_numbers([field.value for field in self._numbers])
@@ -281,6 +286,7 @@ class Panel:
         joints: bool = True,
         elbow: bool = True,
         branches: bool = True,
+        fields: bool = True,
     ) -> None:
         """Show the session as it is; the arguments say what a person holds just now."""
         session, stage, outcome = self.session, self.stage, self.session.outcome
@@ -293,6 +299,24 @@ class Panel:
         # Of many drags in a row only the last has to be read.
         if self.worker.waiting() and time.monotonic() - self._said < _TEXT_EVERY:
             return
+        place = "target " + ", ".join(f"{value:.3f}" for value in session.target[:3, 3]) + " m"
+        lines = [outcome.nearness, place, self.note]
+        # What a person waits for goes before the fields.
+        self.say(outcome.headline, *filter(None, lines), good=outcome.good)
+        if fields:
+            self._fill(numbers=numbers, joints=joints, elbow=elbow, branches=branches)
+
+    def _fill(
+        self,
+        *,
+        numbers: bool = True,
+        joints: bool = True,
+        elbow: bool = True,
+        branches: bool = True,
+    ) -> None:
+        """Write target, joints, elbow and branches into their fields."""
+        session = self.session
+        self._filled = time.monotonic()
         if numbers:
             for field, value in zip(self._numbers, session.numbers(), strict=True):
                 field.value = round(value, 5 if "[m]" in field.label else 3)
@@ -308,9 +332,6 @@ class Panel:
             self._elbow_words.content = session.elbow_intervals()
         if branches and self._all.value and not self.worker.waiting():
             self._show_branches()
-        place = "target " + ", ".join(f"{value:.3f}" for value in session.target[:3, 3]) + " m"
-        lines = [outcome.nearness, place, self.note]
-        self.say(outcome.headline, *filter(None, lines), good=outcome.good)
 
     def say(self, first: str, *more: str, good: bool) -> None:
         """Show lines in the status, and the first in the panel's head, which a phone shows."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 
 Job = Callable[[], None]
@@ -22,25 +23,38 @@ class Worker:
 
     def __init__(self, failed: Callable[[Exception], None]) -> None:
         self._failed = failed
-        self._waiting: dict[str, Job] = {}
+        self._waiting: dict[str, tuple[float, Job]] = {}
         self._changed = threading.Condition()
         self._ended = False
         self._busy = False
         self._thread = threading.Thread(target=self._run, name="agrik-viewer", daemon=True)
         self._thread.start()
 
-    def submit(self, kind: str, job: Job) -> None:
-        """Have a job done; it takes the place of one of its kind that still waits."""
+    def submit(self, kind: str, job: Job, after: float = 0.0) -> None:
+        """Have a job done; it takes the place of one of its kind that still waits.
+
+        Parameters
+        ----------
+        kind : str
+        job : callable
+        after : float, default 0.0, s
+            Time that it may wait for more of its kind.
+        """
+        due = time.monotonic() + after
         with self._changed:
             # The newest goes last, or an older job of another kind would undo it.
             self._waiting.pop(kind, None)
-            self._waiting[kind] = job
+            self._waiting[kind] = (due, job)
             self._changed.notify_all()
 
     def waiting(self) -> bool:
-        """Return whether something is still to be done."""
+        """Return whether something is to be done at once."""
         with self._changed:
-            return bool(self._waiting)
+            return self._next() is not None
+
+    def _next(self) -> str | None:
+        now = time.monotonic()
+        return next((kind for kind, (due, _) in self._waiting.items() if due <= now), None)
 
     def settle(self, timeout: float) -> bool:
         """Wait until nothing is left to do; False if that took longer, s."""
@@ -61,11 +75,14 @@ class Worker:
             with self._changed:
                 self._busy = False
                 self._changed.notify_all()
-                self._changed.wait_for(lambda: self._waiting or self._ended)
-                if self._ended:
+                kind = self._next()
+                while kind is None and not self._ended:
+                    dues = [due for due, _ in self._waiting.values()]
+                    self._changed.wait(max(min(dues) - time.monotonic(), 0.0) if dues else None)
+                    kind = self._next()
+                if kind is None or self._ended:
                     return
-                kind = next(iter(self._waiting))
-                job = self._waiting.pop(kind)
+                _, job = self._waiting.pop(kind)
                 self._busy = True
             try:
                 job()

@@ -113,8 +113,8 @@ def genetic(directory: Path, scene: Scene, runs: Runs) -> list[Path]:
     order = np.argsort(runs.terms.cost)
     shown = [
         (
-            f"seed {runs.seeds[k]}: J {runs.terms.cost[k]:.3g}, free space "
-            f"{1e3 * runs.terms.distance[k]:.0f} mm",
+            f"seed {runs.seeds[k]}: J {runs.terms.cost[k]:.3g},\n"
+            f"{1e3 * runs.terms.distance[k]:.0f} mm free",
             runs.q[k],
         )
         for k in (int(order[0]), int(order[-1]))
@@ -131,15 +131,15 @@ def scans(directory: Path, scene: Scene, name: str = "C1") -> list[Path]:
     axes.plot(psi, 1e3 * scan["hard"], label="gripper and flange")
     axes.plot(psi, 1e3 * scan["soft"], "--", label="wrist and forearm, wrist straight")
     best = int(np.flatnonzero(scan["rank"] == 0)[0])
-    axes.axvline(psi[best], color=PALETTE[1], label=f"best, {psi[best]:.1f} deg")
-    axes.set_xlabel("approach angle [deg]")
+    axes.axvline(psi[best], color=PALETTE[1], label=f"best, {psi[best]:.1f}°")
+    axes.set_xlabel("approach angle [°]")
     axes.set_ylabel("distance from the crop [mm]")
     axes.legend()
     files = save(drawing, directory, "figure6")
     table = slide_table(ROBOT, scene, name, float(scan["psi"][best]))
     admissible = np.flatnonzero(table["admissible"])
     chosen = admissible[table["score"][admissible].argmax()]
-    title = f"{psi[best]:.1f} deg: {1e3 * scan['hard'][best]:.0f} mm round the gripper"
+    title = f"{psi[best]:.1f}°: {1e3 * scan['hard'][best]:.0f} mm round the gripper"
     files += _postures(directory, "figure7", scene, [(title, table["q"][chosen])])
     drawing = figure(PAGE_WIDTH, 3.4)
     axes = drawing.add_subplot()
@@ -151,7 +151,13 @@ def scans(directory: Path, scene: Scene, name: str = "C1") -> list[Path]:
             ".-",
             label=f"branch {branch}",
         )
-    axes.plot(1e3 * table["slide"][chosen], 1e3 * table["distance"][chosen], "k*", markersize=14)
+    axes.plot(
+        1e3 * table["slide"][chosen],
+        1e3 * table["distance"][chosen],
+        "k*",
+        markersize=14,
+        label="chosen",
+    )
     axes.set_xlabel("place of the slide [mm]")
     axes.set_ylabel("distance from the crop [mm]")
     axes.legend()
@@ -162,13 +168,15 @@ def compared(
     directory: Path, scene: Scene, two_step: Decision, runs: dict[str, Runs], costs: Array
 ) -> list[Path]:
     """Figure 9: what the two-step method, GA and DE find, side by side."""
-    shown = [(f"two-step: J {costs[0]:.3g}, D {1e3 * two_step.exact_distance:.0f} mm", two_step.q)]
+    shown = [
+        (f"two-step: J {costs[0]:.3g},\n{1e3 * two_step.exact_distance:.0f} mm free", two_step.q)
+    ]
     for name, of in runs.items():
         best = int(of.terms.cost.argmin())
         away = float(np.linalg.norm(of.q[best] - two_step.q))
         title = (
-            f"{name}: J {of.terms.cost[best]:.3g}, D {1e3 * of.terms.distance[best]:.0f} mm, "
-            f"{away:.2f} from it in joint space"
+            f"{name}: J {of.terms.cost[best]:.3g},\n{1e3 * of.terms.distance[best]:.0f} mm free,\n"
+            f"{away:.2f} from two-step"
         )
         shown.append((title, of.q[best]))
     return _postures(directory, "figure9", scene, shown)
@@ -249,9 +257,17 @@ def convergence(directory: Path, runs: dict[str, Runs], seconds: dict[str, float
             axes.semilogy(np.maximum(history, 1e-12), color=colour, alpha=0.6, label=label)
     for one in GENETIC:
         axes.plot(one.generations, one.cost, "k*", markersize=12)
-        axes.annotate(f"paper {one.figure}, {one.seconds:.0f} s", (one.generations, one.cost))
+        axes.annotate(
+            f"paper {one.figure}, {one.seconds:.0f} s",
+            (one.generations, one.cost),
+            xytext=(-8, 6) if one.generations > 1000 else (10, -3),
+            textcoords="offset points",
+            ha="right" if one.generations > 1000 else "left",
+            # Readable where curves pass behind it.
+            bbox={"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 1},
+        )
     axes.set_xlabel("generation")
-    axes.set_ylabel("J")
+    axes.set_ylabel("cost J")
     axes.legend()
     return save(drawing, directory, "convergence")
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._checks import FloatArray
-from ...plots import PAGE_WIDTH, figure
+from ...plots import BAD, GOOD, PAGE_WIDTH, PALE, figure, label
 from .._output import save
 
 # Curves that coincide stay visible: the first is the widest.
@@ -20,12 +20,12 @@ def error_traces(
     directory: Path, name: str, panels: Mapping[str, Mapping[str, FloatArray]], steps: str
 ) -> list[Path]:
     """Error over steps, one panel a group of curves."""
-    drawing = figure(6.4, 3.0 * len(panels))
+    drawing = figure(PAGE_WIDTH, 2.6 * len(panels))
     for i, (title, curves) in enumerate(panels.items()):
         axes = drawing.add_subplot(len(panels), 1, i + 1)
         styles = _STYLES if len(curves) > 1 else (("-", 1.6),)
-        for (style, width), (label, errors) in zip(styles, curves.items(), strict=False):
-            axes.semilogy(1e3 * errors, style, linewidth=width, label=label)
+        for (style, width), (words, errors) in zip(styles, curves.items(), strict=False):
+            axes.semilogy(1e3 * errors, style, linewidth=width, label=words)
         axes.axhline(1.0, color="0.7", linewidth=0.8)
         axes.annotate("1 mm", (0.0, 1.0), va="bottom", color="0.4")
         axes.set_title(title)
@@ -47,21 +47,22 @@ def workspace(directory: Path, points: FloatArray, reached: NDArray[np.bool_]) -
         axes.set_xlabel(f"{'xyz'[u]} [mm]")
         axes.set_ylabel(f"{'xyz'[v]} [mm]")
         axes.set_aspect("equal")
-        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    drawing.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return save(drawing, directory, "figure6")
 
 
 def planar(directory: Path, cloud: FloatArray, joints: FloatArray) -> list[Path]:
     """Draw the planar arm at (5, 0) over the points it can reach."""
-    drawing = figure(5.5, 5.0)
+    drawing = figure(5.0, 4.6)
     axes = drawing.add_subplot()
-    axes.plot(cloud[:, 0], cloud[:, 1], ".", color="0.8", ms=2)
+    axes.plot(cloud[:, 0], cloud[:, 1], ".", color=PALE, ms=2, label="reach")
     line = np.vstack([np.zeros(2), joints])
-    axes.plot(line[:, 0], line[:, 1], "-o")
-    axes.plot([5.0], [0.0], "rx", ms=10)
+    axes.plot(line[:, 0], line[:, 1], "-o", color=GOOD, label="arm")
+    axes.plot([5.0], [0.0], "x", color=BAD, ms=10, mew=2, label="target")
     axes.set_aspect("equal")
-    axes.set_xlabel("x, link units")
-    axes.set_ylabel("y, link units")
+    axes.set_xlabel(label("x", "unit of the links"))
+    axes.set_ylabel(label("y", "unit of the links"))
+    drawing.legend(loc="outside lower center", ncols=3)
     return save(drawing, directory, "figure7")
 
 

@@ -168,32 +168,34 @@ def figure3(directory: Path) -> list[Path]:
 
 def _loop(directory: Path, name: str, law: str, note: str) -> list[Path]:
     """Draw error, law, sum and kinematics as a loop."""
-    drawing = figure(PAGE_WIDTH, 2.5)
-    axes = drawing.subplots()
+    drawing = figure(PAGE_WIDTH, 2.2)
+    drawing.set_layout_engine("none")
+    axes = drawing.add_axes((0.0, 0.0, 1.0, 1.0))
     boxes = (
         (1.05, "−", "circle,pad=0.25"),
-        (2.9, law, "square,pad=0.6"),
-        (5.2, "sum, saturated\nθ ← θ + Δθ   (15)", "square,pad=0.6"),
-        (7.45, "kinematics\ns = f(θ)   (1)", "square,pad=0.6"),
+        (3.05, law, "square,pad=0.5"),
+        (5.6, "sum, saturated\nθ ← θ + Δθ   (15)", "square,pad=0.5"),
+        (7.8, "kinematics\ns = f(θ)   (1)", "square,pad=0.5"),
     )
+    drawn = []
     for x, text, shape in boxes:
         frame = {"boxstyle": shape, "facecolor": "#d6e8f3", "edgecolor": GREY}
-        axes.text(x, 2.0, text, ha="center", va="center", bbox=frame)
-    for start, end, label in (
-        (0.1, 0.86, "goal ŝ"),
-        (1.24, 2.0, "error e"),
-        (3.8, 4.2, "Δθ"),
-        (6.2, 6.7, "θ"),
-        (8.2, 9.0, "s"),
-    ):
+        drawn.append(axes.text(x, 2.0, text, ha="center", va="center", bbox=frame))
+    axes.set_xlim(0, 9.3)
+    axes.set_ylim(0.7, 2.5)
+    # A box has its size once it is drawn, and the arrows go from edge to edge.
+    drawing.canvas.draw()
+    back, pad = axes.transData.inverted(), 0.5 * float(drawn[0].get_fontsize()) * drawing.dpi / 72
+    words = [back.transform(each.get_window_extent().padded(pad))[:, 0].tolist() for each in drawn]
+    starts = [0.1, *(right for _, right in words)]
+    ends = [*(left for left, _ in words), 9.25]
+    for start, end, signal in zip(starts, ends, ("goal ŝ", "error e", "Δθ", "θ", "s"), strict=True):
         _arrow(axes, (start, 2.0), (end, 2.0))
-        axes.text((start + end) / 2, 2.12, label, ha="center")
-    axes.plot([8.6, 8.6, 1.05], [2.0, 0.8, 0.8], color="black", lw=1.2)
-    _arrow(axes, (1.05, 0.8), (1.05, 1.72))
-    axes.text(4.8, 0.86, "one step later", ha="center")
-    axes.text(2.9, 1.32, note, ha="center", va="center", color=GREY)
-    axes.set_xlim(0, 9.1)
-    axes.set_ylim(0.6, 2.6)
+        axes.text((start + end) / 2, 2.08, signal, ha="center")
+    axes.plot([8.9, 8.9, 1.05], [2.0, 0.85, 0.85], color="black", lw=1.2)
+    _arrow(axes, (1.05, 0.85), (1.05, 1.8))
+    axes.text(5.6, 0.9, "one step later", ha="center")
+    axes.text(3.05, 1.35, note, ha="center", va="center", color=GREY)
     axes.axis("off")
     return save(drawing, directory, name)
 

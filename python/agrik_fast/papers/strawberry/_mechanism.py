@@ -74,7 +74,7 @@ def figure1(directory: Path) -> list[Path]:
     q = np.array([0.30, 0.45, 0.18, -0.45, 0.6])
     d, e, p = 1000 * joint_points(arm, q)
     f = (e + p) / 2  # the paper gives EF + FP alone
-    drawing = figure(PAGE_WIDTH, 3.5)
+    drawing = figure(PAGE_WIDTH, 3.0)
     front, side = drawing.subplots(1, 2, sharey=True)
     top = d[2] + 1000 * q[2]
     for axes, k, name in ((front, 0, "x"), (side, 1, "y")):
@@ -82,25 +82,26 @@ def figure1(directory: Path) -> list[Path]:
         axes.plot([d[k], d[k]], [top, d[2]], color=SLIDE, lw=3)
         axes.plot(*np.array([d, e, f, p])[:, [k, 2]].T, "-o", color=LINK, lw=3, ms=5)
         for point, letter in ((d, "D"), (e, "E"), (f, "F"), (p, "P")):
-            shift = -16 if letter in "EF" else 8
+            shift = {"E": (8, 2), "F": (-14, -12)}.get(letter, (8, -6))
             place = (point[k], point[2])
-            axes.annotate(letter, place, xytext=(shift, -6), textcoords="offset points")
+            axes.annotate(letter, place, xytext=shift, textcoords="offset points")
         axes.annotate("s32", (d[k], (top + d[2]) / 2), xytext=(-26, 0), textcoords="offset points")
         for vector, letter in (((110, 0), name), ((0, 110), "z")):
             end = (vector[0], top + vector[1])
             _arrow(axes, (0, top), end)
-            axes.annotate(letter, end, xytext=(4, 2), textcoords="offset points")
+            shift = (6, -3) if letter == "z" else (-4, -14)
+            axes.annotate(letter, end, xytext=shift, textcoords="offset points")
         axes.plot(0, top, "o", color="black", ms=4)
-        axes.annotate("O", (0, top), xytext=(-12, -10), textcoords="offset points")
+        axes.annotate("O", (0, top), xytext=(4, -14), textcoords="offset points")
         axes.set_xlabel(f"{name} [mm]")
-        axes.set_xlim(-40, 600)
+        axes.set_xlim(-40, 640)
         axes.set_ylim(p[2] - 50, top + 140)
         axes.set_aspect("equal")
     front.annotate("s21", (d[0] / 2, top), xytext=(0, 6), textcoords="offset points")
     side.annotate("l1 − dy, s10", (d[1] / 2, top), xytext=(-20, 6), textcoords="offset points")
-    front.annotate("θ", (d[0], d[2]), xytext=(-12, -18), textcoords="offset points", color=TIP)
-    side.annotate("β", (e[1], e[2]), xytext=(8, 0), textcoords="offset points", color=TIP)
-    side.annotate("ψ about FP", (p[1], p[2]), xytext=(16, 8), textcoords="offset points")
+    front.annotate("θ", (d[0], d[2]), xytext=(-4, -20), textcoords="offset points", color=TIP)
+    side.annotate("β", (e[1], e[2]), xytext=(-13, -1), textcoords="offset points", color=TIP)
+    side.annotate("ψ about FP", (p[1], p[2]), xytext=(20, -6), textcoords="offset points")
     front.set_ylabel("z [mm]")
     words = (
         ("slides", SLIDE),
@@ -127,18 +128,18 @@ def figure3(directory: Path) -> list[Path]:
         for start, end, name in ((d, e, "m2 g"), (e, p, "m3 g")):
             x, _, z = (start + end) / 2
             _arrow(pose, (x, z), (x, z - 45))
-            shift = -30
-            pose.annotate(name, (x, z - 45), xytext=(shift, -6), textcoords="offset points")
+            words = {"textcoords": "offset points", "ha": "right"}
+            pose.annotate(name, (x, z - 45), xytext=(-5, 0), **words)
     travel = 1000 * (q[2] - home[2])
     start, end = 1000 * joint_points(arm, home)[0], 1000 * joint_points(arm, q)[0]
     x = start[0] + 70
     pose.annotate("", (x, end[2]), (x, start[2]), arrowprops={"arrowstyle": "<->", "color": SLIDE})
     pose.text(x + 6, (start[2] + end[2]) / 2, f"{travel:.0f} mm", va="center", color=SLIDE)
-    pose.set_xlim(start[0] - 90, start[0] + 160)
+    pose.set_xlim(start[0] - 100, start[0] + 180)
     pose.set_ylim(end[2] - 190, start[2] + 20)
     pose.set_xlabel("x [mm]")
     pose.set_ylabel("z [mm]")
-    pose.legend(loc="lower left")
+    pose.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     rows = energy_terms(arm)
     words = {
         "friction_s10": "friction, s10",
