@@ -80,7 +80,8 @@ ELSEWHERE = (
 RECORDS = (BaseException, tuple, int, pydantic.BaseModel)
 # Records that the library makes and nobody else.
 ANSWERS = {
-    "Agreement", "Arrival", "Attempt", "Blockers", "Branches", "Budget", "CameraCalibration", "CameraPose",
+    "Agreement", "Arrival", "Attempt", "Blockers", "Branches", "Budget", "CameraCalibration",
+    "CameraPose",
     "Checked", "Command", "Commands", "Cone", "Contact", "Cut", "CutProof", "Cycle", "Decision",
     "Decisions", "Detection", "DhRow", "Distances", "Evaluation", "ExcludedPair", "Family",
     "FruitTruth", "IkResult", "JointPath", "Leg", "LinkStatistics", "LongFruit", "Obstacle",
