@@ -21,7 +21,7 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run test lint format bench callgrind aarch64 sanitize miri wheel docs clean build oracle \
-	firmware rigs rigs-full browser gradients vision-full \
+	firmware rigs rigs-full browser gradients vision-full motion-full branches branches-sample \
 	damaged fuzz-arms fuzz-sample robustness rust-lint rust-test python-lint python-test
 
 help: ## say what every target does
@@ -83,13 +83,23 @@ vision-full: build $(VENV)/.dev ## the detector on 2,000 renders, the loop befor
 	PYTHONPATH=tests $(PY) tests/pointing_full.py --fruits 20
 	AGRIK_ALL_SCENES=1 $(PY) -m pytest --timeout 600 tests/vision/test_stereo_harvest.py
 
+motion-full: build $(VENV)/.dev ## 10,000 paths before a judge of plain NumPy; the large samples of proofs
+	PYTHONPATH=tests $(PY) tests/paths_full.py --paths 10000
+	PYTHONPATH=tests $(PY) tests/proofs_full.py
+
 damaged: build $(VENV)/.dev ## 2,000 damaged files: no traceback, < 500 MB, < 5 s each
 	$(PY) tests/io/damaged_files.py --files 2000
 
 fuzz-arms: build ## random arms, solvers and tasks against what is promised: 10^7 rows
 	$(PY) benches/fuzz_arms.py --rows 1e7
 
-fuzz-sample: build ## two minutes of the same
+branches: build ## all branches of 10^5 poses on thirty arms: what is missed, what is false
+	$(PY) benches/branches.py --poses 100000 --starts 200 --peers 0 --check
+
+branches-sample: build ## a hundredth of the same
+	$(PY) benches/branches.py --poses 1000 --starts 2 --peers 0 --check
+
+fuzz-sample: build ## two minutes of `fuzz-arms`
 	$(PY) benches/fuzz_arms.py --minutes 2
 
 robustness: build $(ROBOTS)/.done ## docs/robustness.md made anew, on arms that are downloaded
@@ -174,8 +184,10 @@ $(VENV)/.docs: pyproject.toml $(VENV)/.pip
 	@touch $@
 
 $(NATIVE): $(RUST_SOURCES) pyproject.toml $(VENV)/.build
+	@touch $(VENV)/.begun
 	VIRTUAL_ENV=$(abspath $(VENV)) $(PY) -m maturin develop --release $(LOCKED) --extras parquet,drivers
-	@touch $@
+# What changes while it is built is newer.
+	@touch -r $(VENV)/.begun $@
 
 $(ROBOTS)/.done: pyproject.toml
 	$(PYTHON) -m venv $(ROBOTS)

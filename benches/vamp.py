@@ -1,11 +1,12 @@
 """Hits of postures beside VAMP, whose robots are compiled: never part of the checks.
 
-    .venv/bin/python benches/vamp.py --sources FOLDER [--scenes 10]
+    .venv/bin/python benches/vamp.py --sources FOLDER [--scenes 2]
 
 FOLDER holds the sources of VAMP (Apache-2.0; the public repository KavrakiLab/vamp, or the sdist
-`vamp-planner` of PyPI) with `src/impl` and `resources/panda/problems.tar.bz2`. Its headers and
-Debian's libeigen3-dev are built by g++ -O2 into a folder that is thrown away. CPU time of one
-thread, of some repeats the least.
+`vamp-planner` of PyPI) with `src/impl`, in it the headers of KavrakiLab/nigh, orlp/pdqsort and
+lemire/SIMDxorshift, and `resources/panda/problems.tar.bz2`. They and Debian's libeigen3-dev are
+built by g++ -O2 into a folder that is thrown away. CPU time of one thread, of some repeats the
+least.
 
 Panda: the same edges of eight near postures in VAMP's own scenes, all free for both; VAMP has 59
 spheres on its links, ours 12 capsules and boxes of other sizes that are chosen at run time, and the
@@ -19,63 +20,20 @@ import argparse
 import gc
 import os
 import subprocess
-import sys
-import tarfile
 import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
-import yaml
+from peer_bench import vamp_problems
 from peer_bench.machine import describe, measuring_core
 from peer_bench.scenes import Arm, Things
-from scipy.spatial.transform import Rotation
+from peer_bench.vamp_problems import Problem
 
 import agrik_fast as ik
 from agrik_fast import _native
 
-HERE = Path(__file__).parent
 STEP = 1 / 32  # rad, between two postures of an edge, as VAMP has them
-
-
-def transform(given: dict) -> np.ndarray:
-    matrix = np.eye(4)
-    matrix[:3, :3] = Rotation.from_quat(given["orientation"]).as_matrix()
-    matrix[:3, 3] = given["position"]
-    return matrix
-
-
-def scenes(problems: Path, count: int) -> list[tuple[str, dict[str, np.ndarray]]]:
-    """Read some scenes of each family of VAMP's problems for the Panda."""
-    found = []
-    with tarfile.open(problems) as archive:
-        members = sorted(m.name for m in archive if "/scene0" in m.name)
-        families = sorted({name.split("/")[-2] for name in members})
-        chosen = []
-        for family in families:
-            own = [name for name in members if name.split("/")[-2] == family]
-            chosen += own[: max(1, count // len(families))]
-        for name in chosen:
-            file = archive.extractfile(name)
-            world = yaml.safe_load(file)["world"]["collision_objects"] if file else []
-            rows: dict[str, list] = {"spheres": [], "capsules": [], "boxes": []}
-            for thing in world:
-                base = transform(thing["pose"]) if "pose" in thing else np.eye(4)
-                shape = thing["primitives"][0]
-                at = base @ transform(thing["primitive_poses"][0])
-                size = shape["dimensions"]
-                if shape["type"] == "sphere":
-                    rows["spheres"].append([*at[:3, 3], size[0]])
-                elif shape["type"] == "cylinder":
-                    half = 0.5 * size[0] * at[:3, 2]
-                    rows["capsules"].append([*(at[:3, 3] - half), *(at[:3, 3] + half), size[1]])
-                else:
-                    halves = 0.5 * np.array(size)
-                    rows["boxes"].append([*at[:3, 3], *halves, *at[:3, :3].T.ravel()])
-            widths = {"spheres": 4, "capsules": 7, "boxes": 15}
-            arrays = {kind: np.reshape(rows[kind], (-1, widths[kind])) for kind in rows}
-            found.append((name.split("/", 1)[-1], arrays))
-    return found
 
 
 def ours(rows: dict[str, np.ndarray]) -> _native.Scene:
@@ -104,15 +62,8 @@ class Vamp:
     """VAMP's check as a program."""
 
     def __init__(self, sources: Path, folder: Path) -> None:
-        self.program, self.folder = folder / "vamp_blocks", folder
-        subprocess.run(
-            [
-                *("g++", "-O2", "-std=c++17", "-march=native", "-ffast-math"),
-                *(str(HERE / "peer_bench/vamp_blocks.cpp"), f"-I{sources / 'src/impl'}"),
-                *("-I/usr/include/eigen3", "-o", str(self.program)),
-            ],
-            check=True,
-        )
+        self.folder = folder
+        self.program = vamp_problems.build("vamp_blocks", sources, folder)
 
     def ask(
         self, cases: list[tuple[dict[str, np.ndarray], np.ndarray]], repeats: int
@@ -140,30 +91,26 @@ def least(repeats: int, collider: _native.Collider, q: np.ndarray) -> float:
     return min(times)
 
 
-def panda(vamp: Vamp, problems: Path, count: int) -> None:
+def panda(vamp: Vamp, chosen: list[Problem]) -> None:
     arm = Arm.of("panda")
-    chosen = scenes(problems, count)
     blocks = edges(arm, 3000, 1)
-    first = vamp.ask([(rows, blocks) for _, rows in chosen], 1)
+    first = vamp.ask([(one.rows, blocks) for one in chosen], 1)
     cases, colliders = [], []
-    for (_, rows), (_, free) in zip(chosen, first, strict=True):
-        collider = _native.Collider(arm.bodies, ours(rows))
+    for one, (_, free) in zip(chosen, first, strict=True):
+        collider = _native.Collider(arm.bodies, ours(one.rows))
         both = free & ~collider.collides(blocks).any(1)
-        cases.append((rows, blocks[both]))
+        cases.append((one.rows, blocks[both]))
         colliders.append(collider)
     timed = vamp.ask(cases, 15)
     print("\n| VAMP's scene | things | edges | VAMP, ns | ours, ns | ours is |")
     print("|---|---|---|---|---|---|")
     ratios = []
-    for (name, rows), (_, free), collider, (theirs, _) in zip(
-        chosen, cases, colliders, timed, strict=True
-    ):
+    for one, (_, free), collider, (theirs, _) in zip(chosen, cases, colliders, timed, strict=True):
         took = least(9, collider, free.reshape(-1, 7))
         ratios.append(theirs / took)
-        things = sum(map(len, rows.values()))
         print(
-            f"| {name} | {things} | {len(free)} | {1e9 * theirs:.0f} | {1e9 * took:.0f} |"
-            f" {theirs / took:.2f} x |"
+            f"| {one.name} | {one.things} | {len(free)} | {1e9 * theirs:.0f} |"
+            f" {1e9 * took:.0f} | {theirs / took:.2f} x |"
         )
     print(f"median {np.median(ratios):.2f} x")
 
@@ -194,13 +141,9 @@ def points(vamp: Vamp) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--sources", type=Path, required=True, help="sources of VAMP")
-    parser.add_argument("--scenes", type=int, default=14, help="how many of its scenes")
+    parser.add_argument("--scenes", type=int, default=2, help="how many of each of its sets")
     options = parser.parse_args()
-    problems = options.sources / "resources/panda/problems.tar.bz2"
-    if not (options.sources / "src/impl/vamp").is_dir() or not problems.is_file():
-        sys.exit(
-            f"vamp.py: --sources: {options.sources} has no src/impl/vamp or no {problems.name}"
-        )
+    chosen = vamp_problems.of_sources(options.sources, options.scenes)
     print(describe(), ik.simd_level())
     core = measuring_core()
     if core >= 0:
@@ -208,7 +151,7 @@ def main() -> None:
     gc.disable()
     with tempfile.TemporaryDirectory() as folder:
         vamp = Vamp(options.sources, Path(folder))
-        panda(vamp, problems, options.scenes)
+        panda(vamp, chosen)
         points(vamp)
 
 

@@ -86,30 +86,83 @@ class Solid:
         return np.linalg.norm(point - a - share[..., None] * along, axis=-1)
 
 
-def distance(one: Solid, other: Solid) -> Matrix:
-    """Return the distance of two solids; 0 or less in contact."""
-    least: Matrix | None = None
-    for first, second in ((one, other), (other, one)):
-        for a, b in first.edges():
-            away = _along(second, a, b)
-            least = away if least is None else np.minimum(least, away)
-    assert least is not None
+def distance(one: Solid, other: Solid, near: float = np.inf) -> Matrix:
+    """Return the distance of two solids; 0 or less in contact.
+
+    Where it is more than `near`, a number above `near` that is no more than it.
+    """
+    if one.kind == other.kind == "segment":
+        return _between_segments(*one.parts, *other.parts) - one.radius - other.radius
+    if one.kind == "segment":
+        one, other = other, one
+    # One of them is a box. A nearest point of the other is on an edge of it, or inside a face,
+    # and then that of the box is a corner.
+    shape = np.broadcast_shapes(one.parts[0].shape, other.parts[0].shape)
+    starts, ends = (
+        np.stack([np.broadcast_to(end, shape) for end in each])
+        for each in zip(*other.edges(), strict=True)
+    )
+    reach = near + one.radius + other.radius
+    least = _along(one, starts, ends, reach).min(axis=0)
+    if other.kind == "box":
+        # Its edges along one axis have all its corners.
+        for edge in itertools.islice(one.edges(), 4):
+            for corner in edge:
+                least = np.minimum(least, other.distance_of(corner))
     return least - one.radius - other.radius
 
 
-def _along(core: Solid, a: Matrix, b: Matrix) -> Matrix:
-    """Return the least distance of a core from the way from a to b."""
-    a, b = np.broadcast_arrays(a, b)
-    low = np.zeros(np.broadcast_shapes(a.shape, core.parts[0].shape)[:-1])
-    high = np.ones_like(low)
+def _between_segments(a: Matrix, b: Matrix, c: Matrix, d: Matrix) -> Matrix:
+    """Return the distance of segments from a to b and from c to d, in closed form.
+
+    The nearest points are inside both, or one of them is an end.
+    """
+    u, v, w = b - a, d - c, a - c
+    uu, uv, vv = (u * u).sum(-1), (u * v).sum(-1), (v * v).sum(-1)
+    uw, vw = (u * w).sum(-1), (v * w).sum(-1)
+    one, other = Solid("segment", (a, b), 0.0), Solid("segment", (c, d), 0.0)
+    least = np.minimum(
+        np.minimum(one.distance_of(c), one.distance_of(d)),
+        np.minimum(other.distance_of(a), other.distance_of(b)),
+    )
+    det = uu * vv - uv * uv
+    crossing = det > 1e-14 * uu * vv
+    safe = np.where(crossing, det, 1.0)
+    s, t = (uv * vw - vv * uw) / safe, (uu * vw - uv * uw) / safe
+    crossing &= (s >= 0) & (s <= 1) & (t >= 0) & (t <= 1)
+    between = np.linalg.norm(w + s[..., None] * u - t[..., None] * v, axis=-1)
+    return np.where(crossing, np.minimum(least, between), least)
+
+
+def _along(core: Solid, a: Matrix, b: Matrix, near: float) -> Matrix:
+    """Return the least distance of a core from the way from a to b; of far ones a bound."""
+    shape = np.broadcast_shapes(a.shape, core.parts[0].shape)
+    if core.kind == "box":
+        centre, half, axes = core.parts
+        a, b = (np.einsum("...ji,...j->...i", axes, end - centre) for end in (a, b))
+        core = Solid("box", (np.zeros(3), half, np.eye(3)), 0.0)
+    a, b = np.broadcast_to(a, shape), np.broadcast_to(b, shape)
+    least = core.distance_of((a + b) / 2) - np.linalg.norm(b - a, axis=-1) / 2
+    rows = least < near
+    a, b = a[rows], b[rows]
+    if core.kind == "segment":
+        core = Solid("segment", tuple(np.broadcast_to(p, shape)[rows] for p in core.parts), 0.0)
+
+    def away(share: Matrix) -> Matrix:
+        point = a + share[..., None] * (b - a)
+        if core.kind == "segment":
+            return core.distance_of(point)
+        out = np.maximum(np.abs(point) - core.parts[1], 0.0)
+        return np.sqrt(np.einsum("...j,...j->...", out, out))
+
+    low, high = np.zeros(len(a)), np.ones(len(a))
     for _ in range(_LOOKS):
         left, right = (2 * low + high) / 3, (low + 2 * high) / 3
-        first = core.distance_of(a + left[..., None] * (b - a))
-        nearer = first < core.distance_of(a + right[..., None] * (b - a))
+        nearer = away(left) < away(right)
         low, high = np.where(nearer, low, left), np.where(nearer, right, high)
-    middle = ((low + high) / 2)[..., None]
-    ends = np.minimum(core.distance_of(a), core.distance_of(b))
-    return np.minimum(core.distance_of(a + middle * (b - a)), ends)
+    ends = np.minimum(away(np.zeros(len(a))), away(np.ones(len(a))))
+    least[rows] = np.minimum(away((low + high) / 2), ends)
+    return least
 
 
 def halfspace_distance(solid: Solid, normal: Matrix, offset: float) -> Matrix:
@@ -120,9 +173,13 @@ def halfspace_distance(solid: Solid, normal: Matrix, offset: float) -> Matrix:
 
 
 def solids_of_arm(name: str, q: Matrix) -> dict[str, tuple[int, Solid]]:
-    """Return frame and placed solid of each body of a bundled arm."""
+    """Return frame and placed solid of each body of a bundled arm; frame 0 where none moves it."""
     robot = numpy_fk.load(name)
     poses = numpy_fk.frames(robot, q)
+    rows = robot["dh"] if "dh" in robot else robot["joint"]
+    numbers = {"base": 0, "tool": len(poses) - 1}
+    numbers |= {row["link"]: k for k, row in enumerate(rows, 1) if "link" in row}
+    still = next(k for k, row in enumerate(rows) if row["type"] != "fixed")
     found = {}
     for row in robot["collision"]:
         radius = float(si(row, "radius"))
@@ -133,7 +190,8 @@ def solids_of_arm(name: str, q: Matrix) -> dict[str, tuple[int, Solid]]:
         else:
             assert row["shape"] == "sphere"
             solid = Solid("segment", (si(row, "centre"), si(row, "centre")), radius)
-        found[row["name"]] = (row["frame"], solid.placed(poses[row["frame"]]))
+        number = numbers.get(row["frame"], row["frame"])
+        found[row["name"]] = (0 if number <= still else number, solid.placed(poses[number]))
     return found
 
 
@@ -184,28 +242,34 @@ def least_distances(
 def _lower(least: Matrix, solid: Solid, thing: Any, near: float) -> None:
     for row in thing.halfspaces:
         least[:] = np.minimum(least, halfspace_distance(solid, row[:3], row[3]))
-    for row in thing.spheres:
-        # A point: its distance from the core is closed.
-        away = solid.distance_of(np.broadcast_to(row[:3], (len(least), 3)))
-        least[:] = np.minimum(least, away - row[3] - solid.radius)
-    others = [Solid("segment", (row[:3], row[3:6]), row[6]) for row in thing.capsules]
-    others += [Solid("box", (row[:3], row[3:6], row[6:15].reshape(3, 3)), row[15])
-               for row in thing.boxes]  # fmt: skip
-    for other in others:
+    for first in range(0, len(thing.spheres), 64):
+        # Points: their distances from the core are closed.
+        some = thing.spheres[first : first + 64]
+        away = solid.distance_of(some[:, None, :3]) - some[:, None, 3]
+        least[:] = np.minimum(least, away.min(axis=0) - solid.radius)
+    for other in _longer(thing):
         rows = np.flatnonzero(_apart(solid, other) < near)
         if len(rows):
-            least[rows] = np.minimum(least[rows], distance(solid.take(rows), other))
+            least[rows] = np.minimum(least[rows], distance(solid.take(rows), other, near))
     assert not thing.hulls
+
+
+def _longer(thing: Any) -> list[Solid]:
+    """Return the capsules and boxes of a thing."""
+    found = [Solid("segment", (row[:3], row[3:6]), row[6]) for row in thing.capsules]
+    boxes = ((row, (row[:3], row[3:6], row[6:15].reshape(3, 3))) for row in thing.boxes)
+    return found + [Solid("box", parts, row[15]) for row, parts in boxes]
+
+
+def ball(one: Solid) -> tuple[Matrix, Matrix]:
+    """Return centre and radius of a ball round a solid."""
+    if one.kind == "box":
+        return one.parts[0], np.linalg.norm(one.parts[1]) + one.radius
+    a, b = one.parts
+    return (a + b) / 2, np.linalg.norm(b - a, axis=-1).max(initial=0.0) / 2 + one.radius
 
 
 def _apart(solid: Solid, other: Solid) -> Matrix:
     """Return a distance that is certainly no more than the true one."""
-
-    def ball(one: Solid) -> tuple[Matrix, Matrix]:
-        if one.kind == "box":
-            return one.parts[0], np.linalg.norm(one.parts[1]) + one.radius
-        a, b = one.parts
-        return (a + b) / 2, np.linalg.norm(b - a, axis=-1) / 2 + one.radius
-
     (c1, r1), (c2, r2) = ball(solid), ball(other)
     return np.linalg.norm(c1 - c2, axis=-1) - r1 - r2

@@ -7,6 +7,7 @@ matrices in physical order. Slow and plain on purpose.
 
 from __future__ import annotations
 
+import functools
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -22,6 +23,7 @@ ROBOTS = Path(__file__).resolve().parent.parent / "python" / "agrik_fast" / "rob
 _TO_SI = {"m": 1.0, "mm": 1e-3, "rad": 1.0, "deg": np.pi / 180.0}
 
 
+@functools.cache
 def load(name: str) -> dict[str, Any]:
     """Read the TOML of a bundled robot as plain dictionaries."""
     with (ROBOTS / f"{name}.toml").open("rb") as file:

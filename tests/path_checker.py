@@ -8,6 +8,7 @@ distances of `numpy_collision`. What a target may be touched by counts only near
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -54,6 +55,29 @@ def sampled(name: str, path: Matrix) -> Matrix:
     return np.concatenate(rows)
 
 
+def minded(
+    name: str, q: Matrix, scene: Any, target: Any = None, touch_radius: float = 0.15
+) -> Iterator[tuple[str, Any, Matrix]]:
+    """Yield each body that moves with each thing that it minds, and the samples at which."""
+    robot = numpy_fk.load(name)
+    rules = robot.get("collision_rules", {})
+    skip = {tuple(pair) for pair in rules.get("static_skip", ())}
+    touching = set(rules.get("may_touch_target", ()))
+    tool = numpy_fk.fk(robot, q)[:, :3, 3]
+    for body, (frame, _) in numpy_collision.solids_of_arm(name, q[:1]).items():
+        if frame == 0:
+            continue
+        for thing in scene.objects:
+            if (body, thing.name) in skip:
+                continue
+            rows = np.arange(len(q))
+            if target is not None and body in touching and thing.name in target.objects:
+                away = np.linalg.norm(tool - np.array(target.point), axis=1)
+                rows = np.flatnonzero(away > touch_radius)
+            if len(rows):
+                yield body, thing, rows
+
+
 def judge(
     name: str,
     path: Matrix,
@@ -67,31 +91,23 @@ def judge(
     robot = numpy_fk.load(name)
     q = sampled(name, path)
     bodies = numpy_collision.solids_of_arm(name, q)
-    rules = robot.get("collision_rules", {})
-    skip = {tuple(pair) for pair in rules.get("static_skip", ())}
-    touching = set(rules.get("may_touch_target", ()))
-    tool = numpy_fk.fk(robot, q)[:, :3, 3]
     outside = np.full(len(q), near)
-    for body, (frame, solid) in bodies.items():
-        if frame == 0:
+    balls = {thing.name: _ball(thing) for thing in scene.objects}
+    for body, thing, rows in minded(name, q, scene, target, touch_radius):
+        solid = bodies[body][1]
+        (centre, radius), (middle, reach) = numpy_collision.ball(solid), balls[thing.name]
+        if np.linalg.norm(centre - middle, axis=-1).min() - radius - reach > near:
             continue
-        for thing in scene.objects:
-            if (body, thing.name) in skip:
-                continue
-            rows = np.arange(len(q))
-            if target is not None and body in touching and thing.name in target.objects:
-                away = np.linalg.norm(tool - np.array(target.point), axis=1)
-                rows = np.flatnonzero(away > touch_radius)
-                if not len(rows):
-                    continue
-            outside[rows] = np.minimum(outside[rows], _least(solid.take(rows), thing, near))
+        outside[rows] = np.minimum(outside[rows], _least(solid.take(rows), thing, near))
     inside = near
     for a, b in self_pairs:
         one, other = bodies[a][1], bodies[b][1]
-        rows = np.flatnonzero(np.broadcast_to(numpy_collision._apart(one, other) < near, len(q)))
-        if len(rows):
-            one, other = (_taken(solid, rows, len(q)) for solid in (one, other))
-            inside = min(inside, float(numpy_collision.distance(one, other).min()))
+        # As in `_least`, but both move.
+        reach = near + 20 * STEP
+        rows = np.arange(0, len(q), 10)
+        coarse = _between(one, other, rows, len(q), reach)
+        rows = np.flatnonzero(np.repeat(coarse < reach, 10)[: len(q)])
+        inside = min(inside, _between(one, other, rows, len(q), near).min(initial=near))
     lower, upper = numpy_fk.limits(robot).T
     return Judged(
         scene=float(outside.min()),
@@ -99,6 +115,17 @@ def judge(
         within_limits=bool(((q >= lower - 1e-9) & (q <= upper + 1e-9)).all()),
         samples=len(q),
     )
+
+
+def _ball(thing: Any) -> tuple[Matrix, float]:
+    """Return a ball round a thing; one without end where it has none."""
+    if len(thing.halfspaces):
+        return np.zeros(3), np.inf
+    points = [(row[:3], row[3]) for row in thing.spheres]
+    points += [(end, row[6]) for row in thing.capsules for end in (row[:3], row[3:6])]
+    points += [(row[:3], np.linalg.norm(row[3:6]) + row[15]) for row in thing.boxes]
+    middle = np.mean([point for point, _ in points], axis=0)
+    return middle, max(float(np.linalg.norm(point - middle)) + r for point, r in points)
 
 
 def _least(solid: Any, thing: Any, near: float) -> Matrix:
@@ -118,6 +145,17 @@ def _least(solid: Any, thing: Any, near: float) -> Matrix:
         close = np.full(len(rows), near)
         numpy_collision._lower(close, solid.take(rows), thing, near)
         least[rows] = close
+    return least
+
+
+def _between(one: Any, other: Any, rows: Matrix, count: int, near: float) -> Matrix:
+    """Return the distances of two bodies at some postures, `near` at most."""
+    one, other = (_taken(solid, rows, count) for solid in (one, other))
+    close = np.flatnonzero(np.broadcast_to(numpy_collision._apart(one, other) < near, len(rows)))
+    least = np.full(len(rows), near)
+    if len(close):
+        one, other = (_taken(solid, close, len(rows)) for solid in (one, other))
+        least[close] = np.minimum(near, numpy_collision.distance(one, other, near))
     return least
 
 

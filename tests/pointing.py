@@ -29,6 +29,8 @@ WALL = Wall(point=(0.55, 0.0, 0.0), normal=(-1.0, 0.0, 0.0))
 # Light from above and behind the camera.
 LOOK = Look(light=(-0.6, 0.2, 0.75))
 ARM = TomatoArm()
+# Degrees that servos yield: twice their torque over the one that stalls them.
+NOISE = {f"servo{i}.noise": 0.1 for i in range(3)} | {"droop0": 1.14, "droop1": 0.36}
 
 
 def calibrated(camera: Camera = CAMERA) -> Detector:
@@ -64,6 +66,15 @@ def within(rig: TomatoRig, point: np.ndarray[Any, Any]) -> bool:
     return bool(ARM.solve(point).success) and bool(
         ((ARM.solve(point).q >= rig.lower) & (ARM.solve(point).q <= rig.upper)).all()
     )
+
+
+def hidden_for_ten(centre: np.ndarray[Any, Any]) -> Callable[[float], tuple[Leaf, ...]]:
+    """Return the leaves at a time: one before the fruit for ten pictures, from 1.5 s on."""
+    to_camera = POSE[:3, 3] - centre
+    to_camera /= np.linalg.norm(to_camera)
+    place = tuple((centre + 0.08 * to_camera).tolist())
+    leaf = Leaf(place, (0.0, 1.0, 0.2), tuple(to_camera.tolist()), 0.2, 0.16)
+    return lambda time: (leaf,) if 45 / 30 < time < 55 / 30 else ()
 
 
 @dataclass

@@ -198,3 +198,20 @@ def test_angles_of_many_turns_lose_no_digits(size):
     small = np.arctan2(np.sin(q), np.cos(q))
     np.testing.assert_allclose(arm.jacobian(q), arm.jacobian(small), atol=2e-13, rtol=0)
     np.testing.assert_allclose(arm.fk_links(q)[:, -1], poses, atol=1e-12, rtol=0)
+
+
+@pytest.mark.parametrize("name", ["puma560", "ur5", "panda", "iiwa14", "cucumber", "hydrolek"])
+@pytest.mark.parametrize("solver", ["auto", "lm"])
+def test_starts_of_many_turns_are_brought_back(name, solver):
+    bundled = ik.Robot.load(name)
+    turns = np.array(bundled.joint_types) != "prismatic"
+    arm = bundled.with_limits(np.where(turns[:, None], [-1e16, 1e16], np.nan))
+    rng = np.random.default_rng(5)
+    middle = 0.5 * (bundled.lower + bundled.upper)
+    poses = arm.fk(np.where(turns, rng.uniform(-3, 3, (200, arm.dof)), middle))
+    q0 = np.where(turns, rng.uniform(-1e6, 1e6, (200, arm.dof)), middle)
+    result = arm.ik(poses, q0=q0, solver=solver)
+    assert result.success.mean() >= 0.995
+    # Those of fewer turns are kept: what is near to them is what was asked for.
+    back = np.where(np.abs(q0) > 1e4, q0 - 2 * np.pi * np.round(q0 / (2 * np.pi)), q0)
+    assert np.abs(result.q - back)[:, turns].max() <= np.pi + 1e-6

@@ -51,6 +51,21 @@ def test_a_first_answer_loads_little_besides_numpy(robot: str) -> None:
     assert found & (EXTRAS | WORDS | SLOW) == set()
 
 
+def test_a_first_answer_leaves_parts_of_the_package_alone() -> None:
+    program = (
+        "import sys\nfrom agrik_fast import Robot\nRobot.load('ur5').ik([0.3, 0.2, 0.4])\n"
+        "print(*sorted(name for name in sys.modules if name.startswith('agrik_fast')))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    found = set(done.stdout.split())
+    assert "agrik_fast.robot" in found, done.stderr
+    later = {"_bodies._urdf", "_bodies._surfaces", "_bodies._visuals", "rotations", "tasks"}
+    later |= {"solvers", "collision", "io", "motion", "cli"}
+    assert found & {f"agrik_fast.{name}" for name in later} == set()
+
+
 def test_the_help_loads_no_numpy() -> None:
     program = (
         "from agrik_fast.cli import main\n"

@@ -611,6 +611,54 @@ class TargetSolver:
     def restarts(self) -> int:
         """Attempts after the first for the last target."""
 
+    @property
+    def result(self) -> IkResult:
+        """The last answer as a record of its own.
+
+        Examples
+        --------
+        >>> solver = ik.Robot.load("tomato").solver("position")
+        >>> solver.solve([0.2, 0.1, 0.1]), solver.result.success
+        (True, array(True))
+        """
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the last answer's arrays by their names, as `IkResult.to_dict`.
+
+        Examples
+        --------
+        >>> list(ik.Robot.load("tomato").solver("position").to_dict())[:2]
+        ['q', 'status']
+        """
+
+    def to_arrow(self) -> Any:
+        """Return the last answer as a `pyarrow.Table` of one row.
+
+        Raises
+        ------
+        MissingExtraError
+            pyarrow is not installed (extra ``parquet``).
+
+        Examples
+        --------
+        >>> ik.Robot.load("tomato").solver("position").to_arrow().num_rows
+        1
+        """
+
+    def to_pandas(self) -> Any:
+        """Return the last answer as a `pandas.DataFrame` of one row.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed (extra ``pandas``).
+
+        Examples
+        --------
+        >>> len(ik.Robot.load("tomato").solver("position").to_pandas())
+        1
+        """
+
 @final
 class IkResult:
     """Answers of one `Robot.ik` call; arrays have the targets' leading shape.

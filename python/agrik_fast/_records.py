@@ -6,25 +6,26 @@ record's fields are arrays whose first dimensions are those of the targets.
 
 from __future__ import annotations
 
-import html
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 
-from . import _native
+from . import _native, _tables
 from ._checks import shown
-from .errors import ArgumentError, MissingExtraError
+from .errors import ArgumentError
 from .plots import outcomes
+from .result import Status
 
 if TYPE_CHECKING:
-    from ._native import Branches, IkResult
+    from ._native import Branches, IkResult, TargetSolver
 
     Record: TypeAlias = IkResult | Branches
 
 __all__ = [
     "html_table",
     "iterate",
+    "last_answer",
     "length",
     "made",
     "plot",
@@ -32,6 +33,7 @@ __all__ = [
     "rows",
     "take",
     "text",
+    "text_of_solver",
     "to_arrow",
     "to_dict",
     "to_pandas",
@@ -64,8 +66,15 @@ _FIELDS = {
         "orientation_error",
     ),
 }
-# Rows of a table in a notebook.
-_SHOWN = 10
+_LAST = (
+    "q",
+    "status",
+    "success",
+    "position_error",
+    "orientation_error",
+    "iterations",
+    "restarts",
+)
 _UNITS = {"position_error": "position error (m)", "orientation_error": "orientation error (rad)"}
 
 
@@ -101,7 +110,9 @@ def length(record: Record) -> int:
     """Return how many rows the record has along its first dimension."""
     shape = rows(record)
     if not shape:
-        raise TypeError("the answer to a single target has no length")
+        kind = type(record).__name__
+        hint = "; its branches are q[valid]" if kind == "Branches" else ""
+        raise TypeError(f"the answer to a single target has no length{hint}")
     return shape[0]
 
 
@@ -137,8 +148,6 @@ def truth(record: IkResult) -> bool:
 
 def _columns(record: Record) -> dict[str, Any]:
     """Return one column a number, one row a target (of branches: a branch)."""
-    from .result import Status
-
     names = [status.name.lower() for status in Status]
     columns: dict[str, Any] = {}
     leading = record.q.shape[:-1]
@@ -163,24 +172,12 @@ def _columns(record: Record) -> dict[str, Any]:
 
 def to_arrow(record: Record) -> Any:
     """Return the record as a `pyarrow.Table`."""
-    try:
-        import pyarrow
-    except ImportError:
-        raise MissingExtraError("to_arrow", "parquet") from None
-    columns = _columns(record)
-    status = columns.get("status")
-    if status is not None:
-        columns["status"] = pyarrow.array(status).dictionary_encode()
-    return pyarrow.table(columns)
+    return _tables.arrow_table(_columns(record))
 
 
 def to_pandas(record: Record) -> Any:
     """Return the record as a `pandas.DataFrame`."""
-    try:
-        import pandas
-    except ImportError:
-        raise MissingExtraError("to_pandas", "pandas") from None
-    return pandas.DataFrame(_columns(record))
+    return _tables.pandas_frame(_columns(record))
 
 
 def plot(record: IkResult, arm: Any) -> Any:
@@ -206,17 +203,20 @@ def text(record: IkResult, head: str) -> str:
 
 def html_table(record: Record) -> str:
     """Return the first rows as a table for notebooks."""
-    columns = _columns(record)
-    count = len(next(iter(columns.values())))
-    head = "".join(f"<th>{html.escape(_UNITS.get(name, name))}</th>" for name in columns)
-    body = "".join(
-        "<tr>" + "".join(f"<td>{_cell(values[row])}</td>" for values in columns.values()) + "</tr>"
-        for row in range(min(count, _SHOWN))
-    )
-    more = f"<caption>{html.escape(repr(record))}</caption>"
-    left = f"<tr><td>and {count - _SHOWN} more</td></tr>" if count > _SHOWN else ""
-    return f"<table>{more}<thead><tr>{head}</tr></thead><tbody>{body}{left}</tbody></table>"
+    return _tables.html_table(_columns(record), repr(record), _UNITS)
 
 
-def _cell(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else html.escape(str(value))
+def last_answer(solver: TargetSolver) -> IkResult:
+    """Return the last answer of a solver for one target at a time, as a record of its own."""
+    fields = {name: getattr(solver, name) for name in _LAST}
+    fields |= {"status": np.uint8(fields["status"]), "warnings": np.uint8(0)}
+    fields |= {name: np.uint32(fields[name]) for name in ("iterations", "restarts")}
+    return cast("IkResult", made("IkResult", fields))
+
+
+def text_of_solver(solver: TargetSolver, head: str) -> str:
+    """Return what a solver says of itself: whose it is, and its last answer."""
+    # A call leaves a finite error, or the status of a bad target.
+    if solver.status == Status.NOT_FOUND and np.isinf(solver.position_error):
+        return f"TargetSolver({head}nothing asked yet)"
+    return f"TargetSolver({head}{solver.result!r})"

@@ -163,6 +163,10 @@ class RobotWarning(UserWarning):
     """Something about a robot that is allowed and seldom meant."""
 
 
+class TargetWarning(UserWarning):
+    """Something about targets or start values that is allowed and seldom meant."""
+
+
 class SettingsWarning(UserWarning):
     """Something changes the settings of a solver from their usual values."""
 

@@ -34,3 +34,31 @@ def test_one_row_a_branch(tmp_path: Path, suffix: str) -> None:
     (lost,) = np.nonzero(~rows.success)[0]
     assert rows.status[lost] == ik.Status.OUT_OF_REACH
     assert (arm.lower <= rows.q[lost]).all()
+
+
+def test_bad_rows_and_refusals(tmp_path: Path) -> None:
+    targets = tmp_path / "targets.csv"
+    targets.write_text(
+        "x_m,y_m,z_m,qx,qy,qz,qw\n0.3,0.2,0.4,0,0,0,1\n0.3,nan,0.4,0,0,0,1\n9,0.2,0.4,0,0,0,1\n"
+    )
+
+    def run(name: str, out: str, *more: str) -> tuple[int, str]:
+        given = ["solve", name, str(targets), "-o", str(tmp_path / out), "--all-branches", *more]
+        done = CliRunner().invoke(app, given)
+        assert "Traceback" not in done.output
+        return done.exit_code, done.output
+
+    code, text = run("ur5", "ur5.csv")
+    assert code == 0, text
+    _, rows = read_results(tmp_path / "ur5.csv")
+    status = {int(i): set(rows.status[rows.ids.astype(int) == int(i)]) for i in (1, 2, 3)}
+    wanted = {1: {ik.Status.CONVERGED}, 2: {ik.Status.BAD_INPUT}, 3: {ik.Status.OUT_OF_REACH}}
+    assert status == wanted
+    assert (rows.ids.astype(int) == 1).sum() == 8
+    # Nothing here solves an arm with slides between its joints: its rows say so.
+    code, _ = run("strawberry", "strawberry.csv")
+    _, rows = read_results(tmp_path / "strawberry.csv")
+    assert (code, set(rows.status)) == (0, {ik.Status.UNSUPPORTED, ik.Status.BAD_INPUT})
+    code, text = run("ur5", "ur5.csv")
+    assert code == 2
+    assert "exists already" in text

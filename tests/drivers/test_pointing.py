@@ -7,15 +7,17 @@ import pytest
 
 from agrik_fast.drivers import LinkError, PointingLoop, RigError, Simulator, TomatoRig
 from agrik_fast.errors import ArgumentError
-from agrik_fast.vision import CameraError, Fruit, Image, Leaf, Scene, render
+from agrik_fast.vision import CameraError, Fruit, Image, Scene, render
 from pointing import (
     CAMERA,
     LOOK,
+    NOISE,
     POSE,
     RADIUS,
     WALL,
     calibrated,
     fruits,
+    hidden_for_ten,
     pointing,
     tip_of,
     within,
@@ -24,8 +26,6 @@ from rigs import SIMULATOR
 
 pytestmark = SIMULATOR
 
-# Degrees that servos yield: twice their torque over the one that stalls them.
-NOISE = {f"servo{i}.noise": 0.1 for i in range(3)} | {"droop0": 1.14, "droop1": 0.36}
 # Twenty are asked for; a sample here, all of them in `make vision-full`.
 STILL = fruits(4, seed=1)
 
@@ -65,21 +65,7 @@ def test_a_fruit_that_moves() -> None:
 
 def test_a_fruit_that_a_leaf_hides() -> None:
     centre = STILL[1]
-    to_camera = POSE[:3, 3] - centre
-    to_camera /= np.linalg.norm(to_camera)
-    leaf = Leaf(
-        tuple((centre + 0.08 * to_camera).tolist()),
-        (0.0, 1.0, 0.2),
-        tuple(to_camera.tolist()),
-        0.2,
-        0.16,
-    )
-    hidden = (45 / 30, 55 / 30)
-
-    def leaves(time: float) -> tuple[Leaf, ...]:
-        return (leaf,) if hidden[0] < time < hidden[1] else ()
-
-    with pointing(lambda time: centre, leaves=leaves) as (_, _, frames):
+    with pointing(lambda time: centre, leaves=hidden_for_ten(centre)) as (_, _, frames):
         seen = frames(75)
     held = [step for step in seen.steps if step.state == "holding"]
     assert 8 <= len(held) <= 12

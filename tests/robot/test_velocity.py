@@ -99,3 +99,21 @@ def test_shapes_and_bad_input():
             arm.velocity(**({"q": q[0, 0], "twist": np.zeros(6)} | changes))
     with pytest.raises(UnknownNameError, match="second_aim"):
         arm.velocity(q, np.zeros(6), second_aim="fast")
+
+
+def test_a_tool_behind_the_robots_own_gets_the_twist():
+    arm = ik.Robot.load("panda")
+    q = arm.home + 0.05 * arm.random_q(5, seed=3)
+    twist = np.array([0.05, 0.0, 0.02, 0.1, 0.0, 0.0])
+    offset = np.eye(4)
+    offset[:3, 3] = 0.02, 0.0, 0.15
+    rates = arm.velocity(q, twist, tool=offset, velocity_limits=50, acceleration_limits=np.inf)
+    own = np.linalg.inv(arm.fk_links(q[0])[-2]) @ arm.fk(q[0])
+    there = arm.with_tool(own @ offset)
+    np.testing.assert_allclose(
+        np.einsum("nij,nj->ni", there.jacobian(q), rates), np.tile(twist, (5, 1)), atol=1e-4
+    )
+    with pytest.raises(ArgumentError, match="tool"):
+        arm.velocity(q, twist, tool=np.eye(3))
+    with pytest.raises(ArgumentError, match="tool"):
+        arm.velocity(q, twist, tool=2 * np.eye(4))

@@ -141,12 +141,20 @@ def test_hand_eye_is_exact_without_noise() -> None:
         assert found.translation_residual < 1e-9
 
 
+# Median and 95 % of the specification: degrees, then mm. Of 400 draws the method has 0.14/0.26 and
+# 0.95/1.8, and 0.34/0.66 and 2.3/4.4; of 60 the rotation's 95 % scatter by 15 %.
 @pytest.mark.parametrize(
-    ("noise_m", "noise_deg", "degrees", "metres"),
-    [(0.0005, 0.2, 0.35, 0.0025), (0.001, 0.5, 0.9, 0.006)],
+    ("noise_m", "noise_deg", "degrees", "millimetres"),
+    [
+        (0.0005, 0.2, (0.16, 1.15 * 0.25), (0.89, 1.95)),
+        (0.001, 0.5, (0.40, 1.15 * 0.69), (2.1, 4.6)),
+    ],
 )
 def test_hand_eye_with_noise(
-    noise_m: float, noise_deg: float, degrees: float, metres: float
+    noise_m: float,
+    noise_deg: float,
+    degrees: tuple[float, float],
+    millimetres: tuple[float, float],
 ) -> None:
     turns, shifts = [], []
     for seed in range(60):
@@ -154,9 +162,9 @@ def test_hand_eye_with_noise(
         found = hand_eye(grippers, boards).pose
         cosine = (np.trace(found[:3, :3].T @ true[:3, :3]) - 1) / 2
         turns.append(math.degrees(math.acos(min(cosine, 1.0))))
-        shifts.append(float(np.linalg.norm(found[:3, 3] - true[:3, 3])))
-    assert np.percentile(turns, 95) < degrees
-    assert np.percentile(shifts, 95) < metres
+        shifts.append(1000 * float(np.linalg.norm(found[:3, 3] - true[:3, 3])))
+    assert (np.percentile(turns, [50, 95]) < degrees).all()
+    assert (np.percentile(shifts, [50, 95]) < millimetres).all()
 
 
 def test_hand_eye_needs_axes_that_differ() -> None:

@@ -5,6 +5,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 
@@ -19,6 +20,7 @@ from agrik_fast.vision import (
     Scene,
     StereoPair,
     VisionFileError,
+    Wall,
     balls_that_cover,
     from_boxes,
     from_masks,
@@ -77,16 +79,19 @@ def test_obstacles_of_the_pair_make_a_scene() -> None:
     assert scene.names == tuple(names)
     for mask, each in zip(masks[:2], document["objects"], strict=False):
         assert len(each["points"]) >= 15
-        rows, columns = np.nonzero(mask)
-        near = np.abs(DEPTH[rows, columns] - np.median(DEPTH[rows, columns])) < 0.05
-        rays = CAMERA.rays(np.stack([columns, rows], axis=1)[near].astype(float))
-        points = rays / rays[:, 2:] * DEPTH[rows, columns][near][:, None]
         centres = np.array(each["points"])
-        far = np.linalg.norm(points[:, None] - centres, axis=2).min(axis=1)
-        # The rim of two pixels counts as well; noise in the depth of a few pixels reaches out.
-        assert (far > each["radius"]).mean() < 0.005
-        assert far.max() <= each["radius"] + 0.005
-        assert each["radius"] < 0.02
+        # Two pixels at the rim are half of what is behind; every point inside lies in some ball.
+        for inside, share in (
+            (cv2.erode(mask.astype(np.uint8), np.ones((5, 5))) > 0, 0),
+            (mask, 0.005),
+        ):
+            rows, columns = np.nonzero(inside)
+            near = np.abs(DEPTH[rows, columns] - np.median(DEPTH[rows, columns])) < 0.05
+            rays = CAMERA.rays(np.stack([columns, rows], axis=1)[near].astype(float))
+            points = rays / rays[:, 2:] * DEPTH[rows, columns][near][:, None]
+            far = np.linalg.norm(points[:, None] - centres, axis=2).min(axis=1)
+            assert (far > each["radius"]).mean() <= share
+        assert each["radius"] < 0.008
 
 
 def test_balls_cover_every_point() -> None:
@@ -101,6 +106,19 @@ def test_balls_cover_every_point() -> None:
     assert len(balls_that_cover(np.zeros((1, 3)))[0]) == 1
     with pytest.raises(ArgumentError, match="`points`"):
         balls_that_cover(np.full((4, 3), np.nan))
+
+
+def test_the_left_margin_is_seen_where_both_cameras_see_it() -> None:
+    # At this distance the right camera misses 83 columns, of the 128 that are tried.
+    wall = Scene((), (), Wall(point=(0.0, 0.0, 0.4)), seed=4)
+    right = np.eye(4)
+    right[0, 3] = PAIR.baseline
+    first, second = (render(wall, CAMERA, pose=each) for each in (np.eye(4), right))
+    depth = PAIR.depth(first.image, second.image)
+    missed = int(CAMERA.fx * PAIR.baseline / 0.4)
+    assert missed < 90
+    assert np.isfinite(depth[:, missed + 10 : 128]).mean() > 0.6
+    assert np.isnan(depth[:, : missed - 10]).mean() > 0.9
 
 
 def test_a_depth_cameras_holes() -> None:

@@ -69,7 +69,7 @@ class _SolveCommand(TyperCommand):
 
         (option,) = (each for each in self.params if each.name == "solver")
         *first, last = solver_names()
-        vars(option)["help"] = f"{', '.join(first)} or {last}."
+        vars(option)["help"] = f"{', '.join(first)} or {last}; or a gain file (.toml, .json)."
         return super().get_help(ctx)
 
 
@@ -89,7 +89,9 @@ def solve(
     ] = None,
     solver: Annotated[
         str,
-        typer.Option(help="Name of the solver."),  # see _SolveCommand
+        typer.Option(  # its help is in _SolveCommand
+            help="Name of the solver.", autocompletion=_options.solver_names
+        ),
     ] = "lm",
     tol: Annotated[
         str,
@@ -174,44 +176,48 @@ def solve(
     with exit_codes() as kept:
         from ..jobs import SolveRequest
         from ._solve import (
+            AXES,
             load_scene,
+            other_faults,
             parse_axis,
             parse_frame,
             parse_preference,
+            parse_solver,
             parse_tolerance,
-            parse_values,
             solve_words,
         )
         from .progress import for_stream
         from .summary import print_summaries
 
+        faults = _options.Faults()
         request = SolveRequest(
             robot=robot,
             targets=targets,
             output=output,
             task=task,
-            solver=solver,
-            position_tolerance=parse_tolerance("--tol", tol),
-            orientation_tolerance=parse_tolerance("--tol-rad", tol_rad),
-            tolerance_frame=parse_frame("--tol-frame", tol_frame),
-            tool_axis=parse_axis("--tool-axis", tool_axis),
-            direction=None if direction is None else parse_axis("--direction", direction),
+            solver=faults.of("--solver", solver, parse_solver) or "lm",
+            position_tolerance=faults.of("--tol", tol, parse_tolerance) or 1e-6,
+            orientation_tolerance=faults.of("--tol-rad", tol_rad, parse_tolerance) or 1e-6,
+            tolerance_frame=faults.of("--tol-frame", tol_frame, parse_frame),
+            tool_axis=faults.of("--tool-axis", tool_axis, parse_axis) or AXES["z"],
+            direction=faults.of("--direction", direction, parse_axis),
             seed=seed,
             threads=threads,
             force=force,
             base_link=base_link,
             tip_link=tip_link,
-            tool=_options.tool(tool),
+            tool=faults.of("--tool", tool, _options.tool_numbers),
             frame=frame,
-            q0=None if q0 is None else parse_values("--q0", q0),
-            mask=None if mask is None else _options.numbers("--mask", mask, (6,)),
-            mask_frame=parse_frame("--mask-frame", mask_frame) or "base",
-            scene=load_scene(scene, aim),
+            q0=faults.of("--q0", q0, _options.values),
+            mask=faults.of("--mask", mask, _options.weights),
+            mask_frame=faults.of("--mask-frame", mask_frame, parse_frame) or "base",
+            scene=faults.of("--scene", "", lambda option, text: load_scene(scene, aim)),
             scene_name="" if scene is None else scene.name,
             clear=clear,
-            prefer=parse_preference(prefer),
+            prefer=faults.of("--prefer", prefer, parse_preference) or "first",
             all_branches=all_branches,
         )
+        faults.tell(lambda: other_faults(request))
         summary = solve_words(request, for_stream(sys.stderr))
         kept.what = lambda: f"results: {output}"
         with telling(f"results: {output}"):
@@ -225,12 +231,21 @@ def solve(
 def info(
     robot: Annotated[
         str | None,
-        typer.Argument(help="A robot's name or file, as for `solve`; all names if none."),
+        typer.Argument(
+            help="A robot's name or file, as for `solve`; all names if none.",
+            autocompletion=_options.robot_names,
+        ),
     ] = None,
     base_link: _options.BaseLink = None,
     tip_link: _options.TipLink = None,
     tool: _options.Tool = None,
     frame: _options.Frame = None,
+    q0: Annotated[
+        str | None,
+        typer.Option(
+            "--q0", help="Print the tool's pose at these joint values, in radians and metres."
+        ),
+    ] = None,
     body: Annotated[
         bool, typer.Option("--body", help="Print its bodies for collisions instead.")
     ] = False,
@@ -256,7 +271,7 @@ def info(
             if body or self_pairs:
                 text = about_collisions(arm, body=body, self_pairs=self_pairs)
             else:
-                text = describe(arm)
+                text = describe(arm, None if q0 is None else _options.values("--q0", q0))
         with telling():
             typer.echo(text)
 
@@ -420,7 +435,11 @@ def harvest(
     scene: Annotated[Path, typer.Argument(help="Scene with targets: .json or .toml.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
     robot: Annotated[
-        str, typer.Option(help="An arm on a slide with bodies: a name, .toml or .urdf.")
+        str,
+        typer.Option(
+            help="An arm on a slide with bodies: a name, .toml or .urdf.",
+            autocompletion=_options.robot_names,
+        ),
     ] = "cucumber",
     distance: _harvest_options.DistanceOption = "exact",
     refine: _harvest_options.Refine = True,
@@ -437,10 +456,7 @@ def harvest(
     paths: Annotated[
         bool, typer.Option("--path", help="Plan the ways into the postures as well.")
     ] = False,
-    start: Annotated[
-        str | None,
-        typer.Option("--start", help="Where ways start, radians and metres; default: home."),
-    ] = None,
+    start: _options.Start = None,
     threads: Annotated[
         int | None, typer.Option(min=1, help="Threads; by default all cores.")
     ] = None,
@@ -577,10 +593,11 @@ def plan(
     scene: Annotated[
         Path | None, typer.Option("--scene", help="What stands round it: .json or .toml.")
     ] = None,
-    start: Annotated[
-        str | None,
-        typer.Option("--start", help="Start values in radians and metres; default: home."),
-    ] = None,
+    start: _options.Start = None,
+    base_link: _options.BaseLink = None,
+    tip_link: _options.TipLink = None,
+    tool: _options.Tool = None,
+    frame: _options.Frame = None,
     clear: Annotated[float, typer.Option(help="Distance kept from the scene, m.")] = 0.002,
     blend: Annotated[
         float, typer.Option(help="How much of a segment corners are rounded on, 0 to 0.5.")
@@ -596,10 +613,14 @@ def plan(
     reason is said.
     """
     with exit_codes():
+        from ..jobs import RobotChoice
         from ._motion import lines, trajectory
         from ._motion import plan as planned
 
-        arm, around, found = planned(robot, scene, start, target, clear=clear, seed=seed)
+        choice = RobotChoice(robot, base_link, tip_link, _options.tool(tool), frame)
+        arm, around, found = planned(choice, scene, start, target, clear=clear, seed=seed)
+        for note in arm.notes:
+            say(f"{arm.name}: {note}")
         for line in lines(found):
             say(line)
         if not found.ok:
@@ -675,6 +696,13 @@ def detect(
     radius_mm: Annotated[
         float | None, typer.Option(help="The fruits' radius, mm: places then are in the table.")
     ] = None,
+    boxes: Annotated[
+        Path | None,
+        typer.Option(
+            help="Boxes that you marked (.csv: image,left,top,right,bottom in pixels): says how "
+            "many were found."
+        ),
+    ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Write into a folder that holds files.")
     ] = False,
@@ -690,7 +718,7 @@ def detect(
         from ._detect import detect as look
 
         kept.what = lambda: f"pictures that were finished are in {output}"
-        request = DetectRequest(images, output, calibration, view_deg, radius_mm, force)
+        request = DetectRequest(images, output, calibration, view_deg, radius_mm, boxes, force)
         files = look(request, say)
         with telling(f"files: {output}"):
             for file in files:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -31,7 +31,10 @@ def solve(
             "else pose if there are orientations."
         ),
     ] = None,
-    solver: Annotated[str, typer.Option(help="As of `agrik-fast solve`.")] = "lm",
+    solver: Annotated[
+        str,
+        typer.Option(help="As of `agrik-fast solve`.", autocompletion=_options.solver_names),
+    ] = "lm",
     tol: Annotated[
         str, typer.Option(help="Position tolerance in metres; or three, along x, y, z.")
     ] = "1e-6",
@@ -74,23 +77,24 @@ def solve(
     """
     from ..cluster import solve as run
     from ._cluster import load
-    from ._solve import parse_axis, parse_frame, parse_tolerance, parse_values
+    from ._solve import parse_axis, parse_frame, parse_solver, parse_tolerance
 
-    return partial(
-        run,
-        robot=load(robot, base_link, tip_link, _options.tool(tool), frame),
-        task=task,
-        solver=solver,
-        position_tolerance=parse_tolerance("--tol", tol),
-        orientation_tolerance=parse_tolerance("--tol-rad", tol_rad),
-        tolerance_frame=parse_frame("--tol-frame", tol_frame),
-        tool_axis=parse_axis("--tool-axis", tool_axis),
-        direction=None if direction is None else parse_axis("--direction", direction),
-        mask=None if mask is None else _options.numbers("--mask", mask, (6,)),
-        mask_frame=parse_frame("--mask-frame", mask_frame) or "base",
-        q0=None if q0 is None else parse_values("--q0", q0),
-        seed=seed,
-    )
+    faults = _options.Faults()
+    read: dict[str, Any] = {
+        "solver": faults.of("--solver", solver, parse_solver),
+        "position_tolerance": faults.of("--tol", tol, parse_tolerance),
+        "orientation_tolerance": faults.of("--tol-rad", tol_rad, parse_tolerance),
+        "tolerance_frame": faults.of("--tol-frame", tol_frame, parse_frame),
+        "tool_axis": faults.of("--tool-axis", tool_axis, parse_axis),
+        "direction": faults.of("--direction", direction, parse_axis),
+        "mask": faults.of("--mask", mask, _options.weights),
+        "mask_frame": faults.of("--mask-frame", mask_frame, parse_frame),
+        "q0": faults.of("--q0", q0, _options.values),
+    }
+    place = faults.of("--tool", tool, _options.tool_numbers)
+    faults.tell(lambda: ())
+    arm = load(robot, base_link, tip_link, place, frame)
+    return partial(run, robot=arm, task=task, seed=seed, **read)
 
 
 @job_command(app, "finite")

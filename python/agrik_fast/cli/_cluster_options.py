@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from ._exits import NOT_ALL_SOLVED, PARTITIONS_FAILED, exit_codes, say, telling
+from ._options import robot_names
 
 Paths = Annotated[
     list[str],
@@ -26,6 +27,7 @@ RobotOption = Annotated[
         "--robot",
         "-r",
         help="A robot's name (see `agrik-fast robots`), or a .toml, .urdf or .xacro file.",
+        autocompletion=robot_names,
     ),
 ]
 

@@ -11,11 +11,15 @@ from pathlib import Path
 from ..errors import AgrikError, ArgumentError
 from ..vision import (
     DETECTION_COLUMNS,
+    Agreement,
     Camera,
     Detector,
+    VisionFileError,
+    agreement,
     annotated,
     detection_row,
     folder_images,
+    read_boxes,
     read_image,
     write_image,
 )
@@ -32,6 +36,7 @@ class DetectRequest:
     camera: Path | None = None
     view_deg: float = 60.0
     radius_mm: float | None = None
+    boxes: Path | None = None
     force: bool = False
 
 
@@ -57,11 +62,16 @@ def detect(request: DetectRequest, report: Callable[[str], None]) -> list[Path]:
             raise ArgumentError("--radius-mm", f"{request.radius_mm:g}", "> 0 and < 1000 mm")
         radius = request.radius_mm / 1000
     calibrated = None if request.camera is None else Camera.load(request.camera)
+    boxes = None if request.boxes is None else read_boxes(request.boxes)
+    unknown = sorted(set(boxes or ()) - {name.name for name in names})
+    if unknown:
+        raise VisionFileError(str(request.boxes), f"{unknown[0]} is none of the pictures")
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ArgumentError("output", str(out), f"a folder ({error.strerror})") from None
     rows, written, seen = [], [], Counter[str]()
+    agreed: list[Agreement] = []
     for name in names:
         image = read_image(name)
         height, width = image.shape[:2]
@@ -80,12 +90,16 @@ def detect(request: DetectRequest, report: Callable[[str], None]) -> list[Path]:
         counts = Counter(each.status.name.lower() for each in found)
         said = ", ".join(f"{count} {status}" for status, count in counts.items())
         report(f"{name}: {said or 'not_found'}")
+        if boxes is not None:
+            agreed.append(agreement(found, boxes.get(name.name, ()), camera))
     table = out / TABLE
     try:
         with table.open("w", encoding="utf-8", newline="") as stream:
             csv.writer(stream, lineterminator="\n").writerows([DETECTION_COLUMNS, *rows])
     except OSError as error:
         raise AgrikError(f"{table}: {error.strerror}") from None
+    if agreed:
+        report(f"{request.boxes}: {sum(agreed[1:], agreed[0])}")
     return [table, *written]
 
 

@@ -15,6 +15,7 @@ from .._names import solver_names
 from ..collision import BodyShape, Box, Capsule, Convex, Cover, Sphere
 from ..errors import AgrikError, ArgumentError
 from ..robot import Robot
+from ..rotations import quat_of
 from ._exits import say
 from ._tables import aligned
 
@@ -53,14 +54,19 @@ def _description(name: str) -> str:
         return f"cannot be loaded: {brief(error)}"
 
 
-def describe(robot: Robot) -> str:
-    """Return a robot's joints, limits, reach, DH rows, frames and source as text."""
+def describe(robot: Robot, q: Sequence[float] | None = None) -> str:
+    """Return a robot's joints, limits, reach, DH rows, frames and source as text.
+
+    With joint values, rad or m, also the tool's pose there.
+    """
     blocks = [
         f"{robot.name}: {robot.description}" if robot.description else robot.name,
         *(f"Note: {note}" for note in robot.notes),
         _joints(robot),
         _reach(robot),
     ]
+    if q is not None:
+        blocks.append(_pose(robot, q))
     if robot.dh is not None:
         blocks.append(_dh(robot))
     if robot.end_effector is not None:
@@ -184,6 +190,22 @@ def _reach(robot: Robot) -> str:
             "Reach of the tool point, base frame (proven bounds)",
             f"  within {robot.reach_radius:.4f} m of ({centre}) m",
             f"  x {x} m, y {y} m, z {z} m",
+        ]
+    )
+
+
+def _pose(robot: Robot, q: Sequence[float]) -> str:
+    if len(q) != robot.dof:
+        received = "1 number" if len(q) == 1 else f"{len(q)} numbers"
+        raise ArgumentError("--q0", received, f"{robot.dof}, one a joint")
+    T = robot.fk(q)
+    x, y, z = (f"{value:.6f}" for value in T[:3, 3].tolist())
+    qx, qy, qz, qw = (f"{value:.6f}" for value in quat_of(T).tolist())
+    return "\n".join(
+        [
+            "Pose of the tool at these joint values, base frame",
+            f"  x {x} m, y {y} m, z {z} m",
+            f"  qx {qx}, qy {qy}, qz {qz}, qw {qw}",
         ]
     )
 

@@ -10,13 +10,14 @@ from .. import harvest, motion
 from .._checks import FloatArray
 from ..collision import Scene
 from ..errors import ArgumentError
+from ..jobs import RobotChoice
 from ..robot import Robot
 from ..rotations import pose
 from ._options import numbers
 
 
 def plan(
-    robot: str,
+    robot: RobotChoice,
     scene: Path | None,
     start: str | None,
     target: str,
@@ -31,7 +32,7 @@ def plan(
     AgrikError
         A faulty file or robot, or an option that is wrong.
     """
-    arm = Robot.load(robot)
+    arm = robot.load()
     around = Scene() if scene is None else Scene.load(scene)
     first = arm.home if start is None else np.array(numbers("--start", start, (arm.dof,)))
     settings = motion.Settings(clear=clear, seed=seed)

@@ -2,16 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Callable, Iterable
+from typing import Annotated, TypeVar
 
 import typer
 
-from ..errors import ArgumentError
+from ..errors import AgrikError, ArgumentError
+
+_ValueT = TypeVar("_ValueT")
+
+
+def robot_names(incomplete: str) -> list[str]:
+    """Return the robots whose names begin so, for the shell; files it completes by itself."""
+    from ..robot import Robot
+
+    return [name for name in Robot.names() if name.startswith(incomplete)]
+
+
+def solver_names(incomplete: str) -> list[str]:
+    """Return the solvers whose names begin so, for the shell."""
+    from .._names import solver_names
+
+    return [name for name in solver_names() if name.startswith(incomplete)]
+
 
 Robot = Annotated[
     str,
     typer.Argument(
-        help="A robot's name (see `agrik-fast robots`), or a .toml, .urdf or .xacro file."
+        help="A robot's name (see `agrik-fast robots`), or a .toml, .urdf or .xacro file.",
+        autocompletion=robot_names,
     ),
 ]
 BaseLink = Annotated[str | None, typer.Option("--base-link", help="URDF: first link of the arm.")]
@@ -30,6 +49,49 @@ Frame = Annotated[
     str | None,
     typer.Option("--frame", help="Frame of the robot file in which poses are given."),
 ]
+
+Start = Annotated[
+    str | None,
+    typer.Option("--start", "--q0", help="Where ways start, radians and metres; by default home."),
+]
+
+
+class Faults:
+    """Faults of options, all told at once, a line each."""
+
+    def __init__(self) -> None:
+        self._found: list[AgrikError] = []
+
+    def of(
+        self, option: str, text: str | None, read: Callable[[str, str], _ValueT]
+    ) -> _ValueT | None:
+        """Return what an option's text reads as; None where it was not given, or is faulty."""
+        if text is None:
+            return None
+        try:
+            return read(option, text)
+        except AgrikError as error:
+            self._found.append(error)
+            return None
+
+    def tell(self, more: Callable[[], Iterable[AgrikError]]) -> None:
+        """Raise what was found, with what else is wrong; nothing where nothing was found.
+
+        Raises
+        ------
+        AgrikError
+            The fault, or all of them.
+        """
+        if self._found:
+            raise together([*self._found, *more()])
+
+
+def together(faults: list[AgrikError]) -> AgrikError:
+    """Return one error that tells several, each once."""
+    texts = list(dict.fromkeys(str(fault) for fault in faults))
+    if len(texts) == 1:
+        return faults[0]
+    return AgrikError("\n  ".join([f"{len(texts)} faults", *texts]))
 
 
 def numbers(option: str, text: str, counts: tuple[int, ...]) -> tuple[float, ...]:
@@ -53,4 +115,19 @@ def numbers(option: str, text: str, counts: tuple[int, ...]) -> tuple[float, ...
 
 def tool(text: str | None) -> tuple[float, ...] | None:
     """Return the numbers of the option --tool."""
-    return None if text is None else numbers("--tool", text, (3, 6))
+    return None if text is None else tool_numbers("--tool", text)
+
+
+def tool_numbers(option: str, text: str) -> tuple[float, ...]:
+    """Return a place, or a place and angles."""
+    return numbers(option, text, (3, 6))
+
+
+def weights(option: str, text: str) -> tuple[float, ...]:
+    """Return the six weights of a mask."""
+    return numbers(option, text, (6,))
+
+
+def values(option: str, text: str) -> tuple[float, ...]:
+    """Return the joint values that a text such as "0,-1.57,0" holds, however many."""
+    return numbers(option, text, (text.count(",") + 1,))

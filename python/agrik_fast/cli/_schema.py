@@ -11,6 +11,8 @@ from ..solvers.gain_file import GainFile
 
 KINDS = ("robot", "gains", "scene", "calibration")
 """Kinds of files that have one."""
+# What pydantic's schemas are written in.
+_DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 
 def json_schema(kind: str) -> str:
@@ -21,7 +23,8 @@ def json_schema(kind: str) -> str:
     UnknownNameError
         There is no such kind.
     """
-    return json.dumps(_schema(word("kind of file", kind, KINDS)), indent=2)
+    schema = _schema(word("kind of file", kind, KINDS))
+    return json.dumps({"$schema": _DIALECT, **schema}, indent=2)
 
 
 def _schema(kind: str) -> dict[str, Any]:

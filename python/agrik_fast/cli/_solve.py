@@ -8,10 +8,11 @@ from typing import Literal, cast
 
 from .._checks import word
 from ..collision import Scene
-from ..errors import ArgumentError, UnknownNameError
-from ..jobs import Progress, SolveRequest, Summary, solve_file
+from ..errors import AgrikError, ArgumentError, UnknownNameError
+from ..jobs import Progress, SolveRequest, Summary, faults_of, solve_file
 from ..robot import PREFERENCES, Prefer
-from ._options import numbers
+from ..solvers import Solver, load_gains
+from ._options import together
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -54,12 +55,20 @@ def parse_axis(option: str, text: str) -> tuple[float, float, float]:
     return (x, y, z)
 
 
-def parse_values(option: str, text: str) -> tuple[float, ...]:
-    """Return the joint values that a text such as "0,-1.57,0" holds, however many."""
-    return numbers(option, text, (text.count(",") + 1,))
+def parse_solver(option: str, text: str) -> Solver | str:
+    """Return the solver that a gain file holds, with its usual start, or the name as it is.
+
+    Raises
+    ------
+    AgrikError
+        For a faulty file.
+    """
+    if Path(text).suffix.lower() not in (".toml", ".json"):
+        return text
+    return load_gains(text, as_tuned=False)
 
 
-def parse_frame(option: str, text: str | None) -> Literal["base", "tool"] | None:
+def parse_frame(option: str, text: str) -> Literal["base", "tool"]:
     """Return the frame of that name.
 
     Raises
@@ -67,8 +76,6 @@ def parse_frame(option: str, text: str | None) -> Literal["base", "tool"] | None
     ArgumentError
         For other texts.
     """
-    if text is None:
-        return None
     if text == "base":
         return "base"
     if text == "tool":
@@ -97,7 +104,7 @@ def load_scene(path: Path | None, aim: str | None) -> Scene | None:
         raise ArgumentError(option, error.received, error.expected) from None
 
 
-def parse_preference(text: str) -> Prefer:
+def parse_preference(option: str, text: str) -> Prefer:
     """Return the name of a preference.
 
     Raises
@@ -105,7 +112,7 @@ def parse_preference(text: str) -> Prefer:
     UnknownNameError
         For any other name.
     """
-    return cast("Prefer", word("--prefer", text, PREFERENCES))
+    return cast("Prefer", word(option, text, PREFERENCES))
 
 
 def parse_tolerance(option: str, text: str) -> float | tuple[float, float, float]:
@@ -132,8 +139,18 @@ def solve_words(request: SolveRequest, progress: Progress) -> Summary:
     """Solve a file; an error names the option that its cause was given by."""
     try:
         return solve_file(request, progress)
-    except UnknownNameError:
-        raise
-    except ArgumentError as error:
-        option = _OPTIONS.get(error.argument, error.argument)
-        raise ArgumentError(option, error.received, error.expected) from None
+    except AgrikError as error:
+        raise together([in_options(each) for each in (error, *faults_of(request))]) from None
+
+
+def other_faults(request: SolveRequest) -> list[AgrikError]:
+    """Return what is wrong with a request beside the options that cannot be read."""
+    return [in_options(each) for each in faults_of(request)]
+
+
+def in_options(error: AgrikError) -> AgrikError:
+    """Return an error that names the option its cause was given by."""
+    if isinstance(error, UnknownNameError) or not isinstance(error, ArgumentError):
+        return error
+    option = _OPTIONS.get(error.argument, error.argument)
+    return ArgumentError(option, error.received, error.expected)

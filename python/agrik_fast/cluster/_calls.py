@@ -200,7 +200,8 @@ def solve(
     """Solve all targets of a source, see `run`.
 
     Rows get the answers that one call of `Robot.ik` with all of them would give, however they are
-    cut into partitions.
+    cut into partitions. Columns that say nothing to the solver, and that all files have, are
+    passed on behind the results' own.
 
     Parameters
     ----------
@@ -267,7 +268,14 @@ def solve(
         seed=seed,
         tool=tool,
     )
-    return run(job, source, target, **options)
+    rows = open_source(
+        source,
+        options.pop("generate", None),
+        options.get("partition_rows", PARTITION_ROWS),
+        options.get("storage_options"),
+    )
+    rows.check(job)  # what is wrong with a file is told with its name
+    return run(job.passing_on(rows.schema), rows, target, **options)
 
 
 def forward(source: Place | Source | None, target: Place, robot: Any, **options: Any) -> Summary:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks import FloatArray, word
+from .._tables import Tabular, joint_columns
 from ..errors import ArgumentError
 from ..motion import Plan
 
@@ -189,7 +190,7 @@ class Decision:
 
 
 @dataclass(frozen=True, eq=False)
-class Decisions:
+class Decisions(Tabular):
     """What became of many targets, one entry each; see `Decision` for the columns.
 
     ``decisions["C1"]`` and ``decisions[0]`` are the `Decision` of one target.
@@ -225,6 +226,28 @@ class Decisions:
         if name not in columns:
             raise AttributeError(name)
         return np.asarray(columns[name])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the targets' names and the columns by their names.
+
+        Examples
+        --------
+        >>> found = ik.harvest.plan("cucumber", ik.harvest.example_scene(), ["C1", "C3"])
+        >>> found.to_dict()["names"]
+        ('C1', 'C3')
+        """
+        return {"names": self.names, **self.columns}
+
+    def _columns(self) -> dict[str, Any]:
+        table: dict[str, Any] = {
+            "target": list(self.names),
+            "status": [Status(code).name.lower() for code in self.status.tolist()],
+            **joint_columns("q", self.q),
+        }
+        for name, column in self.columns.items():
+            if isinstance(column, np.ndarray) and column.ndim == 1:
+                table.setdefault(name, column)
+        return table
 
     @property
     def status(self) -> NDArray[np.uint8]:

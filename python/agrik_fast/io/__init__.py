@@ -2,7 +2,7 @@
 
 from ._arrow import ResultTable, TargetTable, check_number_columns, number_columns
 from ._errors import DataFileError, ResultFileError, TargetFileError
-from ._extras import Extra, Extras, part_of
+from ._extras import Extra, Extras, arrow_type, part_of
 from ._parquet import check_parquet_sizes, import_pyarrow, open_parquet, parquet_writer
 from ._reader import TargetReader
 from ._records import ResultChunk, ResultLayout, SceneColumns, TargetChunk
@@ -24,6 +24,7 @@ __all__ = [
     "TargetFileError",
     "TargetReader",
     "TargetTable",
+    "arrow_type",
     "check_number_columns",
     "check_parquet_sizes",
     "check_result_path",

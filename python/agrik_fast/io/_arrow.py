@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .._files import Refusal, listing, reading
 from ._columns import ColumnError, match_columns
-from ._extras import arrow_type
+from ._extras import ArrowExtras, arrow_type
 from ._ids import check_text, checked
 from ._parquet import import_pyarrow
 from ._reader import CHUNK_BYTES, DEFAULT_CHUNK
@@ -43,6 +43,8 @@ class TargetTable:
     is_pose, has_text_ids : bool
         As of `TargetReader`.
     ignored : tuple of str
+    extras : tuple of str
+        Those of the ignored columns that can be passed on to results.
 
     Raises
     ------
@@ -70,6 +72,8 @@ class TargetTable:
         check_number_columns(schema, self.numeric, refuse)
         self.is_pose = self._columns.orientation is not None
         self.ignored = self._columns.ignored
+        found = ArrowExtras(schema, self.ignored, lambda name: False, refuse).columns
+        self.extras = tuple(extra.name for extra in found)
         self.has_ids = self._columns.row_id is not None
         self.names = (*self.numeric, *(["id"] if self.has_ids else []))
         self.has_text_ids = False

@@ -13,12 +13,15 @@ from numpy.typing import NDArray
 
 from .. import _rotations
 from .._files import listing, shown
+from .._warnings import warn
+from ..errors import TargetWarning
 
 Array = NDArray[np.float64]
 Orientation = Literal["quaternion", "zyz", "rpy"]
 
 UNITS_PER_METRE = {"m": 1.0, "cm": 100.0, "mm": 1000.0}
 RADIANS_PER_UNIT = {"rad": 1.0, "deg": math.pi / 180.0}
+_TURN = 2.0 * math.pi
 QUATERNION = ("qx", "qy", "qz", "qw")
 ANGLES: dict[Orientation, tuple[str, str, str]] = {
     "zyz": ("zyz_alpha", "zyz_beta", "zyz_gamma"),
@@ -89,6 +92,13 @@ class TargetColumns:
     def _rotation(self, values: Array) -> Array:
         if self.orientation == "quaternion":
             return _rotations.from_quaternion(values)
+        if self.orientation_scale == 1.0 and (np.abs(values) > _TURN).any():
+            names = ", ".join(repr(name) for name in self.orientation_columns)
+            warn(
+                f"{names}: more than a turn in rad: was it meant in degrees, as in "
+                f"{self.orientation_columns[0].removesuffix('_rad') + '_deg'!r}?",
+                TargetWarning,
+            )
         angles = values * self.orientation_scale
         if self.orientation == "zyz":
             return _rotations.from_zyz(angles)

@@ -8,7 +8,7 @@ from ._process import about_process, set_threads
 from ._progress import Progress, Silent
 from ._record import Record
 from ._robot_choice import RobotChoice
-from ._solve_file import SolveRequest, solve_file
+from ._solve_file import SolveRequest, faults_of, solve_file
 from ._solve_job import ForwardJob, SolveJob, load_robot
 from ._sources import MANIFEST, PARTITION_ROWS, FileSource, Partition, Source
 from ._split import split_file
@@ -41,6 +41,7 @@ __all__ = [
     "about_process",
     "canonical",
     "difference",
+    "faults_of",
     "finished",
     "is_url",
     "load_robot",

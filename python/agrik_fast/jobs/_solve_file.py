@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._native import __version__
-from ..errors import ArgumentError
+from ..errors import AgrikError, ArgumentError
 from ..io import (
     Extras,
     ResultChunk,
@@ -28,12 +29,25 @@ from ._pipeline import Pipeline, Solve
 from ._progress import Progress, Silent
 from ._robot_choice import RobotChoice
 from ._summary import Summary
-from ._task import JobTask, Vector, check_tolerances, choose_task, task_words
+from ._task import (
+    JobTask,
+    Vector,
+    check_start,
+    check_tolerances,
+    choose_task,
+    solver_words,
+    task_words,
+)
+
+if TYPE_CHECKING:
+    from ..solvers import Solver
 
 # Rows that are written in one go, fewer where ids are long; a Parquet file gets a row group
 # of them.
 WRITE_ROWS = 65_536
 WRITE_ID_BYTES = 32 << 20
+# Reaches beyond which no target lies that was meant in metres.
+_FAR = 30.0
 
 
 @dataclass(frozen=True)
@@ -48,8 +62,8 @@ class SolveRequest:
         Files, whose kinds follow from their suffixes.
     task : {"position", "pose", "axis", "masked", "position-first"}, optional
         None: masked with a mask, else pose if the targets have orientations.
-    solver : str
-        A solver's name, see `Robot.ik`.
+    solver : str or solver
+        A solver or its name, see `Robot.ik`.
     position_tolerance : float or tuple of 3 float, m
         Largest distance between tool point and target, or along each axis; above 0, as for
         `Robot.ik`.
@@ -102,7 +116,7 @@ class SolveRequest:
     targets: Path
     output: Path
     task: str | None = None
-    solver: str = "lm"
+    solver: Solver | str = "lm"
     position_tolerance: float | Vector = 1e-6
     orientation_tolerance: float | Vector = 1e-6
     tolerance_frame: Literal["base", "tool"] | None = None
@@ -173,6 +187,7 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     if request.all_branches and request.scene is not None:
         raise ArgumentError("scene", "one", "none: all branches are told, whatever they hit")
     robot = request.choice.load()
+    check_start(request, robot)
     reader = read_targets(request.targets)
     if request.output.exists() and request.output.samefile(request.targets):
         raise ResultFileError(request.output, "is the target file, expected another name")
@@ -189,7 +204,8 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     taken = layout.own_columns
     layout = replace(layout, extras=tuple(e for e in reader.extras if e.name not in taken))
     passed_on = {extra.name for extra in layout.extras}
-    work = Pipeline(reader.chunks(), _solver(robot, task, request))
+    far = _Far(robot)
+    work = Pipeline(reader.chunks(), _solver(robot, task, request, far))
     with open_results(request.output, layout, force=request.force) as writer, progress:
         progress.start(f"{robot.name}, {task_name} task", reader.count)
         for note in robot.notes:
@@ -213,15 +229,75 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
                     waiting.clear()
         if waiting:
             writer.write(ResultChunk.joined(waiting))
+        far.tell(progress)
     summary.solve_s = work.solve_s
     summary.total_s = time.perf_counter() - started
     return summary
 
 
-def _solver(robot: Robot, task: JobTask, request: SolveRequest) -> Solve:
+def faults_of(request: SolveRequest) -> list[AgrikError]:
+    """Return what is wrong with a request, all of it, as far as that shows without solving.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from agrik_fast.jobs import SolveRequest, faults_of
+    >>> for fault in faults_of(SolveRequest("ur6", Path("none.csv"), Path("out.txt"))):
+    ...     print(str(fault).partition(";")[0].partition(", expected")[0])
+    out.txt: unknown suffix '.txt'
+    unknown robot 'ur6'
+    none.csv: cannot be read: no such file or directory
+    """
+    found: list[AgrikError] = []
+
+    def tried(work: Callable[[], Any]) -> Any:
+        try:
+            return work()
+        except AgrikError as error:
+            found.append(error)
+            return None
+
+    tried(lambda: check_result_path(request.output))
+    tried(lambda: check_tolerances(request))
+    robot = tried(request.choice.load)
+    reader = tried(lambda: read_targets(request.targets))
+    if reader is not None:
+        tried(lambda: choose_task(request, is_pose=reader.is_pose))
+    if robot is not None:
+        none = np.zeros((0, 3))
+        tried(lambda: robot.ik(none, solver=request.solver))
+        tried(lambda: check_start(request, robot))
+    return found
+
+
+class _Far:
+    """Notices that all targets of a file are so far away that their unit must be another."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._least = np.inf
+
+    def look(self, targets: NDArray[np.float64]) -> None:
+        """Note the nearest of some targets, m."""
+        points = targets[:, :3, 3] if targets.ndim == 3 else targets
+        away = np.linalg.norm(points - self._robot.reach_center, axis=1)
+        self._least = min(self._least, float(np.min(away, initial=np.inf, where=away >= 0.0)))
+
+    def tell(self, progress: Progress) -> None:
+        """Say it."""
+        reach = self._robot.reach_radius
+        if np.isfinite(self._least) and self._least > _FAR * reach:
+            progress.note(
+                f"the nearest target is {self._least:.4g} m away, the arm reaches {reach:.4g} m: "
+                "are the lengths in mm, as in x_mm,y_mm,z_mm?"
+            )
+
+
+def _solver(robot: Robot, task: JobTask, request: SolveRequest, far: _Far) -> Solve:
     def solve(
         targets: NDArray[np.float64], first_index: int, ids: NDArray[Any], extras: Extras
     ) -> ResultChunk:
+        far.look(targets)
         result = robot.ik(
             targets,
             task=task,
@@ -269,7 +345,7 @@ def _metadata(request: SolveRequest, robot: Robot, task: str) -> dict[str, str]:
         "robot": robot.name,
         "targets": request.targets.name,
         "task": task,
-        "solver": "all branches" if request.all_branches else request.solver,
+        "solver": "all branches" if request.all_branches else solver_words(request.solver),
         **task_words(request, task),
         **request.choice.words(),
     }

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks import whole_number
-from .._files import Refusal
+from .._files import Refusal, listing
 from .._native import __version__
 from ..io import (
     ResultChunk,
@@ -27,7 +27,15 @@ from ..result import Status
 from ..robot import Robot
 from ..rotations import quat_of
 from ._job import Done, JobError
-from ._task import Near, Vector, check_tolerances, choose_task, task_words
+from ._task import (
+    Near,
+    Vector,
+    check_start,
+    check_tolerances,
+    choose_task,
+    solver_words,
+    task_words,
+)
 
 if TYPE_CHECKING:
     from ..solvers import Solver
@@ -57,6 +65,8 @@ class SolveJob:
         As of `SolveRequest`.
     tool : array_like, shape (4, 4), optional
         As for `Robot.ik`.
+    passed_on : tuple of str
+        Columns that are passed on to the results as they are, behind the results' own.
 
     Raises
     ------
@@ -85,6 +95,7 @@ class SolveJob:
     mask: tuple[float, ...] | None = None
     mask_frame: Literal["base", "tool"] = "base"
     q0: tuple[float, ...] | None = None
+    passed_on: tuple[str, ...] = ()
 
     name: str = field(default="solve", init=False)
     success: str = field(default="converged", init=False)
@@ -114,26 +125,69 @@ class SolveJob:
             "tool": None if self.tool is None else np.asarray(self.tool, dtype=float).tolist(),
         }
 
+    def passing_on(self, schema: Any) -> SolveJob:
+        """Return the job that passes on all columns which say nothing to it.
+
+        Parameters
+        ----------
+        schema : pyarrow.Schema
+            Of the source. Of two columns of one name the result's own is kept; nested columns
+            and bytes are left out.
+
+        Examples
+        --------
+        >>> import pyarrow
+        >>> from agrik_fast.jobs import SolveJob
+        >>> names = ("x_m", "y_m", "z_m", "mass_kg")
+        >>> schema = pyarrow.schema([(name, pyarrow.float64()) for name in names])
+        >>> SolveJob(ik.Robot.load("ur5")).passing_on(schema).passed_on
+        ('mass_kg',)
+        """
+        own = self._layout(text_ids=False).own_columns
+        extras = TargetTable(schema, _refuse).extras
+        return dataclasses.replace(
+            self, passed_on=tuple(name for name in extras if name not in own)
+        )
+
     def columns(self, schema: Any, refuse: Refusal) -> tuple[str, ...]:
-        """Return the columns with position, orientation and id."""
+        """Return the columns with position, orientation and id, and those passed on."""
+        check_start(self, self.robot)
         table = TargetTable(schema, refuse)
+        for name in self.passed_on:
+            if name not in table.extras:
+                found = listing(table.extras) or "none"
+                raise refuse(f"no column '{name}' that can be passed on; found {found}")
         _, task = choose_task(self, is_pose=table.is_pose)
         # No rows: names, solvers and tools are looked at before a thousand machines begin.
         none = np.zeros((0, 4, 4) if table.is_pose else (0, 3))
         self.robot.ik(none, task=task, solver=self.solver, seed=self.seed, tool=self.tool)
-        return table.names
+        return (*table.names, *self.passed_on)
 
     def schema(self, source: Any) -> Any:
         """Return the schema of results, with how they are made as its metadata."""
-        return self._results(TargetTable(source, _refuse)).schema
+        schema = self._results(TargetTable(source, _refuse)).schema
+        for name in self.passed_on:
+            kind = source.field(name).type
+            schema = schema.append(self._field(name, kind))
+        return schema
+
+    @staticmethod
+    def _field(name: str, kind: Any) -> Any:
+        """Return the field of a column that is passed on: without the dictionary of a source."""
+        pyarrow = import_pyarrow(_refuse)
+        plain = kind.value_type if pyarrow.types.is_dictionary(kind) else kind
+        return pyarrow.field(name, plain)
+
+    def _layout(self, *, text_ids: bool, metadata: dict[str, str] | None = None) -> ResultLayout:
+        joints = ResultLayout.joint_names(self.robot.joint_names, self.robot.joint_types)
+        return ResultLayout(joints, text_ids, metadata or {})
 
     def _results(self, targets: TargetTable) -> ResultTable:
         name, _ = choose_task(self, is_pose=targets.is_pose)
-        solver = self.solver if isinstance(self.solver, str) else repr(self.solver)
         metadata = {"version": __version__, "robot": self.robot.name, "task": name}
-        metadata |= {"solver": solver, **task_words(self, name)}
-        joints = ResultLayout.joint_names(self.robot.joint_names, self.robot.joint_types)
-        return ResultTable(ResultLayout(joints, targets.has_text_ids, metadata), _refuse)
+        metadata |= {"solver": solver_words(self.solver), **task_words(self, name)}
+        layout = self._layout(text_ids=targets.has_text_ids, metadata=metadata)
+        return ResultTable(layout, _refuse)
 
     def work(self, batch: Any, first: int) -> Done:
         """Solve rows."""
@@ -155,7 +209,12 @@ class SolveJob:
         )
         codes = np.bincount(result.status, minlength=len(Status))
         counts = {status.name.lower(): int(codes[status]) for status in Status if codes[status]}
-        return Done(self._results(table).table(ResultChunk.of(result, chunk.ids)), counts)
+        results = self._results(table).table(ResultChunk.of(result, chunk.ids))
+        for name in self.passed_on:
+            column = batch.column(batch.schema.get_field_index(name))
+            field = self._field(name, column.type)
+            results = results.append_column(field, column.cast(field.type))
+        return Done(results, counts)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Protocol
 
 from .._checks import whole_number
 from .._files import listing, os_reason, reading
-from ..io import check_parquet_sizes, open_parquet
+from ..io import check_parquet_sizes, import_pyarrow, open_parquet
 from ._job import Job, JobError
 from ._places import is_url
 
@@ -79,7 +79,7 @@ class Source(Protocol):
     place : str
         Path or URL.
     schema : pyarrow.Schema
-        Its columns.
+        Its columns: those that all of its files have.
     count, rows : int
         Number of partitions, and of rows.
 
@@ -223,7 +223,7 @@ class FileSource:
         if not self._pieces:
             raise JobError(self.place, "no rows in any file")
         self.count = len(self._pieces)
-        self.schema = self._footers[0].schema
+        self.schema = _shared([footer.schema for footer in self._footers])
         taken: dict[str, int] = {}
         for number in range(self.count):
             name = self._name(number)
@@ -296,6 +296,25 @@ class FileSource:
             if first is None:
                 raise
             raise refuse(f"{error.reason}; the files before have {_words(*first)}") from None
+
+
+def _refuse(reason: str) -> JobError:
+    return JobError("source", reason)
+
+
+def _shared(schemas: list[Any]) -> Any:
+    """Return the columns of the first schema that all of them have with the same type."""
+    first = schemas[0]
+    different = {id(schema): schema for schema in schemas[1:] if not schema.equals(first)}
+    shared = [
+        field
+        for field in first
+        if all(
+            field.name in schema.names and schema.field(field.name).type == field.type
+            for schema in different.values()
+        )
+    ]
+    return import_pyarrow(_refuse).schema(shared, metadata=first.metadata)
 
 
 def _words(columns: tuple[str, ...], kinds: list[str]) -> str:

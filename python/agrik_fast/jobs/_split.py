@@ -12,7 +12,14 @@ import numpy as np
 from .._atomic import AtomicFile
 from .._checks import whole_number
 from .._files import os_reason
-from ..io import TargetChunk, import_pyarrow, parquet_writer, read_targets
+from ..io import (
+    TargetChunk,
+    TargetReader,
+    arrow_type,
+    import_pyarrow,
+    parquet_writer,
+    read_targets,
+)
 from ..rotations import quat_of
 from ._job import JobError
 from ._partition import BATCH_ROWS
@@ -31,7 +38,8 @@ def split_file(
 
     Written are ``id`` (the file's own, or row numbers from 1), ``x_m``, ``y_m``, ``z_m`` and, of
     poses, ``qx``, ``qy``, ``qz``, ``qw``. Row for row the targets are those of the file but for
-    the last digits of orientations that it has as matrices or angles.
+    the last digits of orientations that it has as matrices or angles. Other columns follow behind
+    as they are.
 
     Parameters
     ----------
@@ -81,7 +89,7 @@ def split_file(
                     if len(files) >= FOLDER_FILES:
                         name = f"p{len(files) // FOLDER_FILES:04d}/{name}"
                     files.append(folder / name)
-                    file = _SplitFile(files[-1], reader.is_pose, reader.has_text_ids, force)
+                    file = _SplitFile(files[-1], reader, force)
                 count = min(rows - file.rows, len(chunk) - at)
                 file.write(chunk, slice(at, at + count))
                 at += count
@@ -101,15 +109,18 @@ def split_file(
 
 
 class _SplitFile:
-    def __init__(self, path: Path, is_pose: bool, text_ids: bool, force: bool) -> None:
+    def __init__(self, path: Path, reader: TargetReader, force: bool) -> None:
         self._refuse = partial(JobError, str(path))
         pyarrow = import_pyarrow(self._refuse)
         self._pyarrow: Any = pyarrow
-        self._text_ids = text_ids
-        numbers = ["x_m", "y_m", "z_m", *(["qx", "qy", "qz", "qw"] if is_pose else [])]
-        kind = pyarrow.string() if text_ids else pyarrow.int64()
+        self._text_ids = reader.has_text_ids
+        numbers = ["x_m", "y_m", "z_m", *(["qx", "qy", "qz", "qw"] if reader.is_pose else [])]
+        kind = pyarrow.string() if self._text_ids else pyarrow.int64()
+        own = [("id", kind), *((name, pyarrow.float64()) for name in numbers)]
+        names = {name for name, _ in own}
+        self._extras = [extra for extra in reader.extras if extra.name not in names]
         self._schema = pyarrow.schema(
-            [("id", kind), *((name, pyarrow.float64()) for name in numbers)]
+            own + [(extra.name, arrow_type(pyarrow, extra.kind)) for extra in self._extras]
         )
         path.parent.mkdir(exist_ok=True)
         self._file = AtomicFile(path, self._refuse, force=force)
@@ -126,7 +137,9 @@ class _SplitFile:
             values = np.hstack([targets[:, :3, 3], turn])
         ids = chunk.ids[part]
         columns = [ids.tolist() if self._text_ids else ids, *values.T.copy()]
-        arrays = [self._pyarrow.array(column) for column in columns]
+        columns += [chunk.extras[extra.name][part] for extra in self._extras]
+        kinds = zip(columns, self._schema.types, strict=True)
+        arrays = [self._pyarrow.array(column, type=kind) for column, kind in kinds]
         try:
             self._writer.write_table(self._pyarrow.Table.from_arrays(arrays, schema=self._schema))
         except OSError as error:

@@ -6,9 +6,12 @@ from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
 
-from ..errors import ArgumentError, UnknownNameError
+from .._warnings import warn
+from ..errors import ArgumentError, TargetWarning, UnknownNameError
+from ..robot import Robot
 from ..tasks import Axis, Masked, PositionFirst
 
+_TURN = 2.0 * np.pi
 Vector = tuple[float, float, float]
 Near: TypeAlias = float | Vector
 """A tolerance: of the whole error, or axis by axis."""
@@ -87,6 +90,20 @@ def check_tolerances(asked: Asked) -> None:
         raise ArgumentError("tolerance_frame", repr(frame), "'base' or 'tool'")
 
 
+def check_start(asked: Asked, robot: Robot) -> None:
+    """Refuse start values of another count than the joints'; warn of what looks like degrees."""
+    if asked.q0 is None:
+        return
+    if len(asked.q0) != robot.dof:
+        count = len(asked.q0)
+        received = "1 number" if count == 1 else f"{count} numbers"
+        raise ArgumentError("q0", received, f"{robot.dof}, one a joint")
+    for name, kind, value in zip(robot.joint_names, robot.joint_types, asked.q0, strict=True):
+        if kind != "prismatic" and abs(value) > 2.0 * _TURN:
+            warn(f"q0 is {value:g} rad for joint {name!r}: was it meant in degrees?", TargetWarning)
+            return
+
+
 def task_words(asked: Asked, task: str) -> dict[str, str]:
     """Return how results are made, as the metadata of their files has it."""
     values = {
@@ -105,6 +122,11 @@ def task_words(asked: Asked, task: str) -> dict[str, str]:
         where = asked.direction
         values["direction"] = "the targets' own" if where is None else _words(where)
     return values
+
+
+def solver_words(solver: object) -> str:
+    """Return a solver as the metadata of results has it: its name, or all its settings."""
+    return solver if isinstance(solver, str) else repr(solver)
 
 
 def _words(numbers: float | tuple[float, ...]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from enum import IntEnum
 from typing import Any
 
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from .. import _native
 from .._checks import FloatArray, finite_array
+from .._tables import Postures, joint_columns
 from ..collision import Scene
 from ..robot import Robot
 from ._check import Contact, checked_arm, contact_of, scene_of
@@ -99,7 +100,7 @@ class CutProof:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(Postures):
     """The answer to a plan.
 
     Attributes
@@ -170,6 +171,28 @@ class Plan:
     def certified(self) -> float:
         """Distance that is kept all along the path, m; 0 without one."""
         return float(self.clearance.min()) if len(self.clearance) else 0.0
+
+    @property
+    def _rows(self) -> FloatArray:
+        return self.path
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the attributes by their names.
+
+        Examples
+        --------
+        >>> from agrik_fast.motion import plan
+        >>> found = plan(ik.Robot.load("panda"), np.zeros(7) - 0.1, np.zeros(7) - 0.2, ik.Scene([]))
+        >>> list(found.to_dict())[:3]
+        ['status', 'how', 'path']
+        """
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
+    def _columns(self) -> dict[str, Any]:
+        # A clearance is that of the piece from a waypoint to the next.
+        clearance = np.full(len(self.path), np.nan)
+        clearance[: len(self.clearance)] = self.clearance
+        return {**joint_columns("q", self.path), "clearance": clearance}
 
     def because(self, *, reached: bool) -> Plan:
         """Return the same where there was no goal, with the reason for that.

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from .. import _native
 from .._checks import FloatArray, float_array, real_number
+from .._tables import Postures
 from ..errors import ArgumentError
 from . import _trajectory_files
 from ._points import Points
@@ -23,7 +24,7 @@ _MOST = 10_000_000
 _WHOLE = 1e-6
 
 
-class Trajectory:
+class Trajectory(Postures):
     """Joint values by time, from rest to rest; `time_law` makes it.
 
     The motion itself is continuous: `at` evaluates it at any time. What files and controllers
@@ -217,7 +218,7 @@ class Trajectory:
         >>> path.read_text().split(",")[:2]
         ['time_s', 'shoulder_pan_rad']
         """
-        _trajectory_files.save(self._rows(), path, force=force)
+        _trajectory_files.save(self._as_points(), path, force=force)
 
     def to_ros(self, frame_id: str = "") -> dict[str, Any]:
         """Return the points in the shape of ROS's ``trajectory_msgs/JointTrajectory``.
@@ -251,7 +252,7 @@ class Trajectory:
         >>> message["points"][0]["time_from_start"]
         {'sec': 0, 'nanosec': 0}
         """
-        return _trajectory_files.message(self._rows(), frame_id)
+        return _trajectory_files.message(self._as_points(), frame_id)
 
     def write_bag(self, path: str | PathLike[str], topic: str = "/joint_trajectory") -> None:
         """Write the points as one message to a new ROS 2 bag.
@@ -285,9 +286,31 @@ class Trajectory:
         """
         from ._ros_bag import write
 
-        write(self._rows(), path, topic)
+        write(self._as_points(), path, topic)
 
-    def _rows(self) -> Points:
+    def to_dict(self) -> dict[str, Any]:
+        """Return the points' arrays by their names.
+
+        Examples
+        --------
+        >>> import agrik_fast as ik
+        >>> from agrik_fast import motion
+        >>> arm = ik.Robot.load("ur5")
+        >>> list(motion.time_law(arm, [arm.home, arm.home + 0.5]).to_dict())[:3]
+        ['joint_names', 'times', 'positions']
+        """
+        names = ("times", "positions", "velocities", "accelerations", "jerks")
+        arrays = {name: getattr(self, name) for name in names}
+        return {"joint_names": self.joint_names, **arrays}
+
+    @property
+    def _rows(self) -> FloatArray:
+        return self.positions
+
+    def _columns(self) -> dict[str, Any]:
+        return dict(_trajectory_files.columns(self._as_points()))
+
+    def _as_points(self) -> Points:
         return Points(
             self._names,
             self._types,
@@ -296,9 +319,6 @@ class Trajectory:
             self.velocities,
             self.accelerations,
         )
-
-    def __len__(self) -> int:
-        return len(self.times)
 
     def __repr__(self) -> str:
         how = "a point a phase" if self._rate is None else f"{self._rate:g} points a second"

@@ -16,7 +16,7 @@ from ..errors import AgrikError, ArgumentError
 from ..io import ResultFileError, import_pyarrow
 from ._points import Points
 
-__all__ = ["message", "save"]
+__all__ = ["columns", "message", "save"]
 
 _NANOSECONDS = 10**9
 
@@ -61,10 +61,10 @@ def message(points: Points, frame_id: str = "") -> dict[str, Any]:
     return {"header": header, "joint_names": list(points.joint_names), "points": rows}
 
 
-def _columns(points: Points) -> dict[str, FloatArray]:
+def columns(points: Points) -> dict[str, FloatArray]:
     """Return the columns of a table: time, joint values, velocities, accelerations."""
     units = ["m" if kind == "prismatic" else "rad" for kind in points.joint_types]
-    columns = {"time_s": points.times}
+    table = {"time_s": points.times}
     blocks = (
         ("", points.positions),
         ("_s", points.velocities),
@@ -72,14 +72,14 @@ def _columns(points: Points) -> dict[str, FloatArray]:
     )
     for behind, block in blocks:
         for name, unit, column in zip(points.joint_names, units, block.T, strict=True):
-            columns[f"{name}_{unit}{behind}"] = column
-    return columns
+            table[f"{name}_{unit}{behind}"] = column
+    return table
 
 
 def _csv(points: Points, _: Callable[[str], AgrikError]) -> bytes:
-    columns = _columns(points)
-    rows = np.column_stack(list(columns.values())).tolist()
-    lines = [",".join(_quoted(name) for name in columns)]
+    table = columns(points)
+    rows = np.column_stack(list(table.values())).tolist()
+    lines = [",".join(_quoted(name) for name in table)]
     lines += [",".join(map(repr, row)) for row in rows]
     return ("\n".join(lines) + "\n").encode()
 
@@ -95,8 +95,8 @@ def _parquet(points: Points, refuse: Callable[[str], AgrikError]) -> bytes:
     from pyarrow import parquet
 
     stream = BytesIO()
-    columns = {name: np.ascontiguousarray(column) for name, column in _columns(points).items()}
-    parquet.write_table(pyarrow.table(columns), stream, use_dictionary=False)
+    table = {name: np.ascontiguousarray(column) for name, column in columns(points).items()}
+    parquet.write_table(pyarrow.table(table), stream, use_dictionary=False)
     return stream.getvalue()
 
 

@@ -30,6 +30,7 @@ from ._inverse import InverseKinematics
 from ._inverse import Prefer as Prefer
 from ._inverse import SceneOf as SceneOf
 from ._joint_path import JointPath
+from ._joint_table import JointTable
 from ._limits import JointLimits
 from ._lines import Lines
 from ._many import ik_many
@@ -66,6 +67,7 @@ def file_schema() -> dict[str, Any]:
 
 class Robot(
     InverseKinematics,
+    JointTable,
     CollisionBodies,
     MotionLimits,
     JointLimits,

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .. import _native
-from .._bodies import CYLINDERS, MESHES, Body, CollisionRules, UrdfGeometry, mesh_places
+from .. import _bodies, _native
+from .._bodies import Body, CollisionRules
 from .._checks import FloatArray, items, shown, word
 from .._files import listing
 from .._warnings import warn
@@ -76,9 +76,9 @@ class Definition:
     rules: CollisionRules = field(default_factory=CollisionRules)
     attached: tuple[Body, ...] = ()
     """Bodies put on at run time."""
-    urdf: UrdfGeometry | None = None
+    urdf: _bodies.UrdfGeometry | None = None
     """Where the bodies of a URDF are to be read; None once they are."""
-    looks: UrdfGeometry | None = None
+    looks: _bodies.UrdfGeometry | None = None
     """Where the visual geometry of a URDF is to be read."""
     end_effector: EndEffector | None = None
 
@@ -144,8 +144,8 @@ def urdf_solids(
     ArgumentError
         Folders that are no paths.
     """
-    word("cylinder", cylinder, CYLINDERS)
-    word("mesh", mesh, MESHES)
+    word("cylinder", cylinder, _bodies.CYLINDERS)
+    word("mesh", mesh, _bodies.MESHES)
     try:
         folders = [Path(fspath(one)) for one in items("mesh_folders", mesh_folders, "paths")]
     except TypeError:
@@ -173,8 +173,8 @@ def from_urdf(
         warn(f"{name or chain.name}: {said}", RobotWarning)
     limits = zip(chain.joint_names, chain.joint_types, chain.lower, chain.upper, strict=True)
     warn_of_degrees(name or chain.name, limits)
-    places = mesh_places(source.folder, solids.mesh_folders)
-    urdf = UrdfGeometry(text, name or "URDF", base, places, solids.cylinder, solids.mesh)
+    places = _bodies.mesh_places(source.folder, solids.mesh_folders)
+    urdf = _bodies.UrdfGeometry(text, name or "URDF", base, places, solids.cylinder, solids.mesh)
     arguments = (text, base, tip)
     made = Definition("from_urdf", arguments, notes=tuple(notes), urdf=urdf, looks=urdf)
     return made, chain

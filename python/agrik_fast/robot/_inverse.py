@@ -354,10 +354,10 @@ class InverseKinematics:
         limits that leave every joint no more than one step. The freedom that a redundant
         arm has is used to stay near the posture before. If that fails, other postures
         within the step are tried. Where the way from the target before goes on, but needs more
-        than a step, it is taken: ``speed`` says by how much it is too fast. Else the path is
-        followed backward from up to 16 postures of the target (of 48 starts), until it meets
-        the one taken so far, or, without `q0`, its free start: so the start is the one whose
-        path holds. If none does, the nearest posture that a search of the whole range finds is
+        than a step, it is taken: ``speed`` says by how much it is too fast. Before that a
+        front of up to 32 postures goes the same way from some targets before, without `q0`
+        also from up to 32 postures of the first target: so the start is the one whose path
+        holds. If none does, the nearest posture that a search of the whole range finds is
         taken and reported as a discontinuity.
 
         Parameters
@@ -509,8 +509,8 @@ class InverseKinematics:
         meet or are parallel; `family` says what was recognised. Seven joints have those
         of the arm that is left when one is locked (S-R-S arms up to eight for each arm
         angle), and an arm on a slide at each place of it. Five joints reach a point and a
-        direction of the tool axis (``task="axis"``), three a point. Each branch is checked
-        by forward kinematics.
+        direction of the tool axis (``task="axis"``), three or more a point. Each branch is
+        checked by forward kinematics.
 
         Parameters
         ----------
@@ -548,7 +548,9 @@ class InverseKinematics:
             without limits keep the nearest value.
         task : task or {"pose", "position", "axis"}, optional
             What counts as reached, see `agrik_fast.tasks`: "axis" for arms of five joints,
-            "position" for arms of three. Default: by the shape of the targets, as for `ik`.
+            "position" for arms of three or more: of more than three those joints that move the
+            point least stay where `q0`, or the middle of the limits, has them, and the status
+            is ``SINGULAR_FAMILY``. Default: by the shape of the targets, as for `ik`.
         invalid : {"mark", "raise", "straighten"}, default "mark"
             As for `ik`.
         order : str, optional

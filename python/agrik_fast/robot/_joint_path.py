@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._checks import FloatArray
+from .._tables import Postures, joint_columns
 
 __all__ = ["JointPath"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class JointPath:
+class JointPath(Postures):
     """Postures in a row and how to go from one to the next.
 
     Parameters
@@ -53,8 +55,25 @@ class JointPath:
     status: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, dtype=np.uint8))
     discontinuity: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
 
-    def __len__(self) -> int:
-        return len(self.q)
+    @property
+    def _rows(self) -> FloatArray:
+        return self.q
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the arrays by their names.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> list(arm.joint_path([arm.home, arm.home + 0.3]).to_dict())[:3]
+        ['q', 'lengths', 'blends']
+        """
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
+    def _columns(self) -> dict[str, Any]:
+        # A length is that of the way from a posture to the next: the last one has none.
+        columns = {**joint_columns("q", self.q), "length": np.append(self.lengths, np.nan)}
+        return columns if self.blends is None else {**columns, "blend": self.blends}
 
     def __repr__(self) -> str:
         kind = "smooth" if self.blends is None else "with corners"

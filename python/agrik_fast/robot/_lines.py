@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import rotations
 from .._checks import FloatArray, finite_array, float_array, real_number, truth_value
 from .._rotations import from_axis_angle, transforms
 from ..errors import ArgumentError
-from ..tasks import Task
 from ._joint_path import JointPath
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from ..tasks import Task
     from ._path import Path
 
 # Below this a way has no length, m and rad.
@@ -274,6 +273,8 @@ def _blends(lengths: FloatArray, share: float) -> FloatArray:
 
 def _turn(begin: FloatArray, goal: FloatArray) -> FloatArray:
     """Return the rotation vector from one orientation to another, in the first's own frame."""
+    from .. import rotations  # takes longer to load than a first answer may
+
     return rotations.axis_angle_of(begin[:3, :3].T @ rotations.rotation_of(goal))
 
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._checks import FloatArray
+from .._tables import Postures, joint_columns
+from ..result import Status
 
 __all__ = ["Path"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Path:
+class Path(Postures):
     """Postures along a sequence of n targets.
 
     Parameters
@@ -62,6 +65,27 @@ class Path:
         """Rows to which the path goes on, but faster than `max_joint_step`, shape (n,)."""
         too_fast: NDArray[np.bool_] = (self.speed > 1 + 1e-9) & ~self.discontinuity
         return too_fast
+
+    @property
+    def _rows(self) -> FloatArray:
+        return self.q
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the arrays by their names.
+
+        Examples
+        --------
+        >>> arm = ik.Robot.load("ur5")
+        >>> path = arm.follow(arm.fk([arm.home, arm.home + 0.02]), arm.home)
+        >>> list(path.to_dict())[:3]
+        ['q', 'success', 'status']
+        """
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
+    def _columns(self) -> dict[str, Any]:
+        flat = {name: array for name, array in self.to_dict().items() if array.ndim == 1}
+        words = [Status(code).name.lower() for code in self.status.tolist()]
+        return {**joint_columns("q", self.q), **flat, "status": words}
 
     def __repr__(self) -> str:
         count = len(self.q)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._bodies import Visual, has_visuals, visuals
+from .. import _bodies
 from .._checks import FloatArray, float_array, shown, word
 from .._warnings import warn
 from ..errors import ArgumentError, RobotWarning, UrdfError
@@ -58,9 +58,9 @@ class Drawing:
     @property
     def has_visuals(self) -> bool:
         """Whether it came from a URDF that says what its links look like."""
-        return self._definition.looks is not None and has_visuals(self._definition.looks)
+        return self._definition.looks is not None and _bodies.has_visuals(self._definition.looks)
 
-    def visuals(self) -> tuple[Visual, ...]:
+    def visuals(self) -> tuple[_bodies.Visual, ...]:
         """Return the triangles of a URDF's ``<visual>`` elements; none for other robots.
 
         Raises
@@ -74,7 +74,7 @@ class Drawing:
         ()
         """
         looks = self._definition.looks
-        return () if looks is None else visuals(looks, cast("Robot", self).link_names)
+        return () if looks is None else _bodies.visuals(looks, cast("Robot", self).link_names)
 
     def surfaces(self, show: Look = "auto") -> tuple[Surface, ...]:
         """Return what the arm looks like, as triangles that stand still in its frames.

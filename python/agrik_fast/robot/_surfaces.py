@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .._bodies import Triangles, box, cylinder, surface
+from .. import _bodies
 from .._checks import FloatArray
 from ..errors import ArgumentError
 
@@ -107,7 +107,7 @@ def surfaces(robot: Robot, show: Look) -> tuple[Surface, ...]:
             expected = "an arm with bodies (see `Robot.with_bodies`), or another look"
             raise ArgumentError("show", f"'bodies' of {robot.name!r}, which has none", expected)
         return tuple(
-            Surface(body.name, robot.frame_number(body.frame), *surface(body.shape), "body")
+            Surface(body.name, robot.frame_number(body.frame), *_bodies.surface(body.shape), "body")
             for body in robot.bodies
         )
     if show == "visuals":
@@ -178,10 +178,10 @@ def _chain(robot: Robot) -> Iterator[Surface]:
         else:
             anchor = place = _on_axis(axis, frames, at)
         if at_frame == 0 and not axis.prismatic:
-            foot = cylinder(at, at + 1.5 * thick * _up(anchor - at), 2.5 * thick)
+            foot = _bodies.cylinder(at, at + 1.5 * thick * _up(anchor - at), 2.5 * thick)
             yield _fixed("base", 0, frames, foot, "base")
         if np.linalg.norm(anchor - at) > thick / 2:
-            yield _fixed(axis.name, at_frame, frames, cylinder(at, anchor, thick), "link")
+            yield _fixed(axis.name, at_frame, frames, _bodies.cylinder(at, anchor, thick), "link")
         if axis.prismatic:
             rail = _beam(low, high, direction, 0.8 * thick, 1.4 * thick)
             yield _fixed(axis.name, axis.frame - 1, frames, rail, "rail")
@@ -195,11 +195,13 @@ def _chain(robot: Robot) -> Iterator[Surface]:
             yield _fixed(axis.name, axis.frame, frames, carriage, "carriage")
         else:
             ends = (place - 2 * thick * direction, place + 2 * thick * direction)
-            yield _fixed(axis.name, axis.frame, frames, cylinder(*ends, 1.6 * thick), "joint")
+            yield _fixed(
+                axis.name, axis.frame, frames, _bodies.cylinder(*ends, 1.6 * thick), "joint"
+            )
         at, at_frame = place, axis.frame
     tip = frames[-1][:3, 3]
     if np.linalg.norm(tip - at) > thick / 2:
-        yield _fixed("tool", at_frame, frames, cylinder(at, tip, 0.8 * thick), "link")
+        yield _fixed("tool", at_frame, frames, _bodies.cylinder(at, tip, 0.8 * thick), "link")
     yield from _hand(robot, len(frames) - 1, thick)
 
 
@@ -252,15 +254,17 @@ def _up(way: FloatArray) -> FloatArray:
 
 def _beam(
     a: FloatArray, b: FloatArray, direction: FloatArray, wide: float, high: float
-) -> Triangles:
+) -> _bodies.Triangles:
     side = np.cross(np.eye(3)[int(np.argmin(np.abs(direction)))], direction)
     side /= np.linalg.norm(side)
     rotation = np.stack([direction, side, np.cross(direction, side)], axis=1)
     half = np.array([float(np.linalg.norm(b - a)) / 2, wide, high])
-    return box((a + b) / 2, half, rotation)
+    return _bodies.box((a + b) / 2, half, rotation)
 
 
-def _fixed(name: str, frame: int, frames: FloatArray, triangles: Triangles, role: str) -> Surface:
+def _fixed(
+    name: str, frame: int, frames: FloatArray, triangles: _bodies.Triangles, role: str
+) -> Surface:
     """Return triangles that are given in the base frame as they stand in a frame of the arm."""
     vertices, faces = triangles
     pose = frames[frame]
@@ -279,4 +283,4 @@ def _hand(robot: Robot, frame: int, thick: float) -> Iterator[Surface]:
         centre = np.array([lift, side * gap / 2, -long / 2])
         half = np.array([0.5 * thick, 0.3 * thick, long / 2])
         opens = (0.0, side * 1.5 * thick, 0.0) if number < 2 else (thick, 0.0, 0.0)
-        yield Surface(name, frame, *box(centre, half, np.eye(3)), "finger", None, opens)
+        yield Surface(name, frame, *_bodies.box(centre, half, np.eye(3)), "finger", None, opens)

@@ -13,6 +13,7 @@ from ..errors import ArgumentError
 
 if TYPE_CHECKING:
     from ..tasks import SecondAim
+    from . import Robot
 
 __all__ = ["DifferentialKinematics"]
 
@@ -36,6 +37,8 @@ class DifferentialKinematics:
         @property
         def upper(self) -> FloatArray: ...
 
+        def with_tool(self, tool: ArrayLike) -> Robot: ...
+
     def velocity(
         self,
         q: ArrayLike,
@@ -48,6 +51,7 @@ class DifferentialKinematics:
         task: Literal["pose", "position"] = "pose",
         second_aim: SecondAim | str | None = None,
         gain: float = 1.0,
+        tool: ArrayLike | None = None,
         threads: int | None = None,
     ) -> FloatArray:
         """Joint rates that move the tool by a twist, for servoing.
@@ -81,6 +85,9 @@ class DifferentialKinematics:
             As for `ik`; "near" without a posture is near the middle.
         gain : float, 1/s, default 1
             How quickly the second aim is gone after: rates are `gain` times its slope.
+        tool : array_like, shape (4, 4), optional
+            As for `ik`: the twist is that of a frame this offset, m, behind the robot's tool. Each
+            call makes a robot with that tool; loops make theirs once, by `with_tool`.
         threads : int, optional
             As for `ik`.
 
@@ -93,7 +100,7 @@ class DifferentialKinematics:
         Raises
         ------
         ArgumentError
-            A wrong shape; a limit or rate that is not above 0.
+            A wrong shape; a limit or rate that is not above 0; a tool that is no rigid transform.
         UnknownNameError
             An unknown task or second aim.
 
@@ -107,6 +114,22 @@ class DifferentialKinematics:
         >>> np.allclose(arm.jacobian(q) @ rates, [0.1, 0, 0, 0, 0, 0], atol=1e-5)
         True
         """
+        if tool is not None:
+            offset = float_array("tool", tool)
+            if offset.shape != (4, 4):
+                raise ArgumentError("tool", f"shape {offset.shape}", "shape (4, 4)")
+            return self.with_tool(self._chain.tool @ offset).velocity(
+                q,
+                twist,
+                rate_hz=rate_hz,
+                rates=rates,
+                velocity_limits=velocity_limits,
+                acceleration_limits=acceleration_limits,
+                task=task,
+                second_aim=second_aim,
+                gain=gain,
+                threads=threads,
+            )
         word("task", task, _TASKS)
         rate = real_number("rate_hz", rate_hz, 0, open_low=True)
         pull = real_number("gain", gain, 0)

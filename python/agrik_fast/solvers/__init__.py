@@ -17,7 +17,7 @@ radian (0.3 times the robot's reach), so that one damping serves metres and radi
 from __future__ import annotations
 
 from os import PathLike
-from typing import TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar, overload
 
 from ._closed_form import ClosedForm
 from ._feedback import (
@@ -68,17 +68,30 @@ Solver: TypeAlias = (
 _SolverT = TypeVar("_SolverT")
 
 
+@overload
+def load_gains(
+    source: str | PathLike[str], kind: None = None, *, as_tuned: bool | None = None
+) -> StateSpace | StaticGain | IkPid: ...
+
+
+@overload
 def load_gains(
     source: str | PathLike[str], kind: type[_SolverT], *, as_tuned: bool | None = None
-) -> _SolverT:
-    """Return the solver of a gain file, which must be of the given kind.
+) -> _SolverT: ...
+
+
+def load_gains(
+    source: str | PathLike[str], kind: type[Any] | None = None, *, as_tuned: bool | None = None
+) -> Any:
+    """Return the solver of a gain file.
 
     Parameters
     ----------
     source : str or path
         Path of a .toml or .json file, or the name of a bundled set.
-    kind : type
-        `StateSpace`, `StaticGain` or `IkPid`.
+    kind : type, optional
+        `StateSpace`, `StaticGain` or `IkPid`, to refuse gains of another kind. Default: the
+        kind that the file names.
     as_tuned : bool, optional
         True: one attempt of at most 1,000 steps from the start that the gains were tuned for,
         which is how gains are compared. False: the solver's usual start, steps and restarts,
@@ -105,8 +118,10 @@ def load_gains(
     Examples
     --------
     >>> from agrik_fast.solvers import StateSpace, load_gains
-    >>> load_gains("hydrolek_k15_cma", StateSpace, as_tuned=True).robot
+    >>> load_gains("hydrolek_k15_cma", as_tuned=True).robot
     'hydrolek'
+    >>> type(load_gains("hydrolek_k15_cma", StateSpace, as_tuned=True)).__name__
+    'StateSpace'
     """
     # pydantic, which reads the file, takes longer to import than everything else together.
     from . import gain_file

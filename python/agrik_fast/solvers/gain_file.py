@@ -283,14 +283,15 @@ def _read(source: str | PathLike[str]) -> tuple[GainFile, StateSpace | StaticGai
         ]
         if len(found) > _FAULTS:
             faults.append(f"and {len(found) - _FAULTS} more")
-        raise GainFileError(path.name, "; ".join(faults)) from None
+        head = f"{len(found)} faults\n  " if len(found) > 1 else ""
+        raise GainFileError(path.name, head + "\n  ".join(faults)) from None
     except ArgumentError as error:
         raise GainFileError(path.name, str(error)) from None
     return content, solver
 
 
 def load(
-    source: str | PathLike[str], kind: type[_SolverT], as_tuned: bool | None = None
+    source: str | PathLike[str], kind: type[_SolverT] | None, as_tuned: bool | None = None
 ) -> _SolverT:
     """Return the solver of a gain file; see `agrik_fast.solvers.load_gains`.
 
@@ -301,12 +302,13 @@ def load(
     'zero'
     """
     names: dict[object, str] = {known: known.name for known in (StateSpace, StaticGain, IkPid)}
-    if kind not in names:
+    if kind is not None and kind not in names:
         raise ArgumentError("kind", repr(kind), "StateSpace, StaticGain or IkPid")
-    _, solver = _read(source)
-    if not isinstance(solver, kind):
-        message = f"holds gains for {solver.name!r}, not for {names[kind]!r}"
+    _, read = _read(source)
+    if kind is not None and not isinstance(read, kind):
+        message = f"holds gains for {read.name!r}, not for {names[kind]!r}"
         raise GainFileError(str(source), message)
+    solver = cast(_SolverT, read)
     if as_tuned is None:
         _say_what_changed(source, solver)
     elif not truth_value("as_tuned", as_tuned):

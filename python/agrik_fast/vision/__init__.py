@@ -13,6 +13,7 @@ from ._errors import CalibrationRefusedError, CameraError, VisionFileError
 from ._hand_eye import CameraPose, eye_to_hand, hand_eye
 from ._images import Image
 from ._obstacles import Obstacle, balls_that_cover, fruit_radius, green_masks, obstacles
+from ._photographs import Agreement, Photograph, agreement, photographs, read_boxes
 from ._pictures import DETECTION_COLUMNS, annotated, detection_row, write_image
 from ._plane import Plane, red_squares
 from ._random_scenes import KINDS, random_scene
@@ -26,6 +27,7 @@ from ._track import Track, Tracker
 __all__ = [
     "DETECTION_COLUMNS",
     "KINDS",
+    "Agreement",
     "Board",
     "Budget",
     "CalibrationRefusedError",
@@ -47,6 +49,7 @@ __all__ = [
     "Look",
     "Obstacle",
     "Patch",
+    "Photograph",
     "Plane",
     "Rendering",
     "Scene",
@@ -57,6 +60,7 @@ __all__ = [
     "Triangulated",
     "VisionFileError",
     "Wall",
+    "agreement",
     "annotated",
     "balls_that_cover",
     "board_pose",
@@ -77,8 +81,10 @@ __all__ = [
     "looking_at",
     "obstacles",
     "paper_camera",
+    "photographs",
     "random_scene",
     "range_sigma",
+    "read_boxes",
     "read_image",
     "red_mask",
     "red_squares",

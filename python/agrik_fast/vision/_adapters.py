@@ -50,6 +50,20 @@ def from_masks(masks: ArrayLike, detector: Detector) -> list[Detection]:
     return found
 
 
+def checked_boxes(boxes: ArrayLike) -> FloatArray:
+    """Return boxes as numbers, shape (n, 4): left, top, right, bottom."""
+    rows = float_array("boxes", boxes)
+    if rows.size == 0:
+        return np.zeros((0, 4))
+    if rows.ndim != 2 or rows.shape[1] != 4 or not np.isfinite(rows).all():
+        raise ArgumentError("boxes", f"shape {rows.shape}", "finite numbers, shape (n, 4)")
+    for number, (left, top, right, bottom) in enumerate(rows.tolist()):
+        if not (right > left and bottom > top):
+            received = f"{[left, top, right, bottom]}"
+            raise ArgumentError(f"boxes[{number}]", received, "left < right, top < bottom")
+    return rows
+
+
 def from_boxes(boxes: ArrayLike, camera: Camera, *, trusted: bool = False) -> list[Detection]:
     """Return detections of boxes round fruits.
 
@@ -77,18 +91,11 @@ def from_boxes(boxes: ArrayLike, camera: Camera, *, trusted: bool = False) -> li
     >>> [found.status.name for found in from_boxes([[100, 80, 140, 120]], paper_camera())]
     ['WEAK']
     """
-    rows = float_array("boxes", boxes)
+    rows = checked_boxes(boxes)
     of_kind("camera", camera, Camera)
-    if rows.size == 0:
-        return []
     trusted = truth_value("trusted", trusted)
-    if rows.ndim != 2 or rows.shape[1] != 4 or not np.isfinite(rows).all():
-        raise ArgumentError("boxes", f"shape {rows.shape}", "finite numbers, shape (n, 4)")
     found = []
-    for number, (left, top, right, bottom) in enumerate(rows):
-        if not (right > left and bottom > top):
-            received = f"{[left, top, right, bottom]}"
-            raise ArgumentError(f"boxes[{number}]", received, "left < right, top < bottom")
+    for left, top, right, bottom in rows:
         middle = (left + right) / 2, (top + bottom) / 2
         sides = camera.rays(
             [[left, middle[1]], [right, middle[1]], [middle[0], top], [middle[0], bottom]]

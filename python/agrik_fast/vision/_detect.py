@@ -16,7 +16,7 @@ from ._camera import Camera
 from ._cone import Cone, best_cone
 from ._cv import opencv
 from ._images import Image, checked_image, of_kind, same_size
-from ._scenes import across
+from ._scenes import across, rim_of
 
 __all__ = ["Detection", "DetectionStatus", "Detector", "red_mask"]
 
@@ -37,9 +37,11 @@ _ROUND, _LONGEST = 1.05, 1.7
 _BETTER = 0.6
 # A circle with less red inside is the edge of something that lies before a fruit.
 _LEAST_FILL = 0.3
-# A fruit whose outline is less than half of its blob's is one of a cluster, and then all red:
-# a photograph's ragged shapes hold circles that are neither.
-_OWN_OUTLINE, _ALL_RED = 0.5, 0.85
+# A fruit whose outline is less than half of its blob's is one of a cluster, and then all red. Nor
+# is a circle an outline beyond which red goes on that belongs to no fruit beside it, but where it
+# is all red itself: not every fruit of a cluster is found.
+_OWN_OUTLINE, _ALL_RED = 0.5, 0.96
+_RING, _MOST_BEYOND = (1.1, 1.35), 0.05
 
 
 class DetectionStatus(IntEnum):
@@ -324,7 +326,8 @@ class Detector:
         for area, outline in sized[:_MOST_BLOBS]:
             hull = cv2.contourArea(cv2.convexHull(outline))
             found += self._in_blob(mask, outline, area / max(hull, 1.0))
-        return _without_nested(found)
+        found = _without_nested(found)
+        return [self._judged(mask, each, found) for each in found]
 
     # ---- one blob ----------------------------------------------------------------------------
 
@@ -410,27 +413,48 @@ class Detector:
 
     def _fill(self, mask: NDArray[np.uint8], axis: FloatArray, alpha: float) -> float:
         """Return the share of a disc that is in the mask, of that part that is in the picture."""
+        part = self._around(axis, alpha)
+        if part is None:
+            return 0.0
+        inside = self.camera.grid_rays()[part] @ axis > math.cos(alpha)
+        count = int(inside.sum())
+        return float((mask[part][inside] > 0).sum() / count) if count else 0.0
+
+    def _around(self, axis: FloatArray, alpha: float) -> tuple[slice, slice] | None:
+        """Return every other row and column of the part of the picture that holds a cone."""
         camera = self.camera
         uv = camera.project(axis)
         if not np.isfinite(uv).all():
-            return 0.0
+            return None
         # Off the axis a disc is longer than it is wide.
         half = 1.3 * camera.focal * math.tan(alpha) / max(float(axis[2]), 0.3) ** 2 + 2
         left, top = (max(int(c - half), 0) for c in uv)
-        right, bottom = int(uv[0] + half) + 1, int(uv[1] + half) + 1
-        rays = camera.grid_rays()[top:bottom:2, left:right:2]
-        inside = rays @ axis > math.cos(alpha)
-        count = int(inside.sum())
-        return float((mask[top:bottom:2, left:right:2][inside] > 0).sum() / count) if count else 0.0
+        return slice(top, int(uv[1] + half) + 1, 2), slice(left, int(uv[0] + half) + 1, 2)
+
+    def _judged(
+        self, mask: NDArray[np.uint8], each: Detection, found: list[Detection]
+    ) -> Detection:
+        """Return a detection, weak where red goes on beyond it that is no other fruit's."""
+        if each.status == DetectionStatus.WEAK or each.fill >= _ALL_RED:
+            return each
+        near, far = (factor * each.alpha for factor in _RING)
+        part = self._around(each.axis, far)
+        if part is None or far >= math.pi / 2:
+            return each
+        rays = self.camera.grid_rays()[part]
+        cosine = rays @ each.axis
+        ring = (cosine < math.cos(near)) & (cosine > math.cos(far))
+        red = ring & (mask[part] > 0)
+        for other in found:
+            if other.fill >= _ALL_RED and other.status != DetectionStatus.WEAK:
+                red &= rays @ other.axis < math.cos(1.06 * other.alpha)
+        if red.sum() <= _MOST_BEYOND * ring.sum():
+            return each
+        return replace(each, status=DetectionStatus.WEAK)
 
     def _at_border(self, axis: FloatArray, alpha: float) -> bool:
         """Whether a cone reaches the picture's border."""
-        first, second = across(axis)
-        turn = np.linspace(0, 2 * math.pi, 24, endpoint=False)
-        rim = math.cos(alpha) * axis + math.sin(alpha) * (
-            np.cos(turn)[:, None] * first + np.sin(turn)[:, None] * second
-        )
-        uv = self.camera.project(rim)
+        uv = self.camera.project(rim_of(axis, alpha, 24))
         size = np.array([self.camera.width, self.camera.height])
         return not bool(((uv > 1) & (uv < size - 2)).all())
 

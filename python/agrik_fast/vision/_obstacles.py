@@ -185,19 +185,32 @@ def depth_of(value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
     return z
 
 
-def points_of(mask: NDArray[np.bool_], depth: FloatArray, camera: Camera) -> FloatArray:
-    """Return the points of a mask's pixels in the camera's frame, but for its rim."""
+def points_of(
+    mask: NDArray[np.bool_], depth: FloatArray, camera: Camera, *, rim: bool = False
+) -> FloatArray:
+    """Return the points of a mask's pixels in the camera's frame.
+
+    At an object's rim the depth is half that of what is behind: those pixels are left out, or,
+    with `rim`, take the depth of the nearest one inside.
+    """
     cv2 = opencv()
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * _ERODED_PX + 1,) * 2)
     inner = cv2.erode(mask.astype(np.uint8), kernel) > 0
     inner &= np.isfinite(depth)
     if inner.sum() < _FEWEST_PIXELS:
         return np.zeros((0, 3))
-    z = depth[inner]
-    near = np.abs(z - np.median(z)) < _NEAR_MEDIAN
+    inner &= np.abs(depth - np.median(depth[inner])) < _NEAR_MEDIAN
+    if rim:
+        near = (cv2.dilate(inner.astype(np.uint8), kernel) > 0) & mask
+        _, labels = cv2.distanceTransformWithLabels(
+            (~inner).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+        )
+        of_label = np.zeros(int(labels.max()) + 1)
+        of_label[labels[inner]] = depth[inner]
+        depth, inner = of_label[labels], near
     rows, columns = np.nonzero(inner)
-    rays = camera.rays(np.stack([columns, rows], axis=1)[near].astype(float))
-    return np.asarray(rays / rays[:, 2:] * z[near][:, None])
+    rays = camera.rays(np.stack([columns, rows], axis=1).astype(float))
+    return np.asarray(rays / rays[:, 2:] * depth[inner][:, None])
 
 
 def fruit_radius(found: Detection, points: ArrayLike) -> float:
@@ -306,13 +319,11 @@ def obstacles(
         given = array_of(f"masks[{name}]", mask, "b", "a mask of bool")
         if given.dtype != bool or given.shape != shape:
             raise ArgumentError(f"masks[{name}]", f"{given.dtype}, {given.shape}", f"bool, {shape}")
-        cloud = points_of(given, z, camera)
+        cloud = points_of(given, z, camera, rim=True)
         if not len(cloud):
             continue
-        # The rim that was left out.
-        rim = _ERODED_PX * float(np.median(cloud[:, 2])) / camera.focal
         centres, size, covering = balls_that_cover(
-            cloud, depth_error=depth_error + rim, half_thickness=half_thickness
+            cloud, depth_error=depth_error, half_thickness=half_thickness
         )
         rows.append(Obstacle(name, kind, _moved(place, centres), size, covering).row())
     for number, found in enumerate(items("fruits", fruits, "detections")):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -15,7 +14,7 @@ from ._cv import opencv
 from ._detect import Detection, DetectionStatus
 from ._errors import VisionFileError
 from ._images import Image, checked_image, of_kind
-from ._scenes import across
+from ._scenes import rim_of
 
 __all__ = ["DETECTION_COLUMNS", "annotated", "detection_row", "write_image"]
 
@@ -111,15 +110,12 @@ def annotated(image: Image, camera: Camera, found: Sequence[Detection]) -> Image
     cv2 = opencv()
     picture: Image = checked_image("image", image).copy()
     of_kind("camera", camera, Camera)
-    turn = np.linspace(0, 2 * math.pi, 120)
     for number, each in enumerate(items("found", found, "detections")):
         of_kind(f"found[{number}]", each, Detection)
         colour = _COLOURS[each.status]
-        first, second = across(each.axis)
-        rim = math.cos(each.alpha) * each.axis + math.sin(each.alpha) * (
-            np.cos(turn)[:, None] * first + np.sin(turn)[:, None] * second
-        )
-        line = np.rint(16 * camera.project(rim)).astype(np.int32)[:, None]
+        line = np.rint(16 * camera.project(rim_of(each.axis, each.alpha, 120))).astype(np.int32)[
+            :, None
+        ]
         cv2.polylines(picture, [line], True, colour, 1, cv2.LINE_AA, 4)
         u, v = (round(float(value)) for value in each.uv)
         cv2.drawMarker(picture, (u, v), colour, cv2.MARKER_CROSS, 9, 1)

@@ -322,6 +322,14 @@ def across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
     return first, np.cross(axis, first)
 
 
+def rim_of(axis: FloatArray, alpha: float, count: int) -> FloatArray:
+    """Return rays on a cone, so many round it, shape (count, 3)."""
+    first, second = across(axis)
+    turn = np.linspace(0, 2 * math.pi, count, endpoint=False)[:, None]
+    around = np.cos(turn) * first + np.sin(turn) * second
+    return np.asarray(math.cos(alpha) * axis + math.sin(alpha) * around)
+
+
 def leaf_hits(
     leaf: Leaf, origin: FloatArray, rays: FloatArray
 ) -> tuple[FloatArray, NDArray[np.bool_]]:

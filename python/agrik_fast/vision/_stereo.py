@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -15,8 +14,8 @@ from .._checks import path as checked_path
 from ..errors import ArgumentError
 from ._camera import Camera
 from ._cv import opencv
-from ._errors import VisionFileError
 from ._images import Image, checked_image, of_kind, same_size
+from ._tables import read_numbers
 
 __all__ = ["StereoPair", "Triangulated", "triangulate"]
 
@@ -87,11 +86,21 @@ class StereoPair:
             speckleRange=2,
             mode=cv2.STEREO_SGBM_MODE_SGBM_3WAY,
         )
-        grey = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (left, right))
-        disparity = matcher.compute(*grey).astype(np.float64) / 16
+        # The matcher leaves as many columns out as it has disparities, though most things are
+        # farther than the nearest that it can tell: a margin of its own spares the picture's.
+        grey = (
+            cv2.copyMakeBorder(
+                cv2.cvtColor(image, cv2.COLOR_BGR2GRAY),
+                *(0, 0, _DISPARITIES, 0),
+                cv2.BORDER_REPLICATE,
+            )
+            for image in (left, right)
+        )
+        disparity = matcher.compute(*grey)[:, _DISPARITIES:].astype(np.float64) / 16
+        in_both = np.arange(self.camera.width) >= disparity
         with np.errstate(divide="ignore", invalid="ignore"):
             z = self.camera.fx * self.baseline / disparity
-        return np.asarray(np.where(disparity > 0.5, z, np.nan))
+        return np.asarray(np.where((disparity > 0.5) & in_both, z, np.nan))
 
 
 class Triangulated(NamedTuple):
@@ -158,7 +167,7 @@ def triangulate(
     of_kind("right", right, Camera)
     names: tuple[str, ...] = ()
     if isinstance(matches, str | Path):
-        rows, names = _read(checked_path("matches", matches))
+        rows, names = read_numbers(checked_path("matches", matches), COLUMNS, "name")
     else:
         rows = float_array("matches", matches)
     if rows.ndim != 2 or rows.shape[1] != 4:
@@ -179,34 +188,3 @@ def triangulate(
     points = np.where(good[:, None], (first + second) / 2, np.nan)
     gaps = np.where(good, np.linalg.norm(first - second, axis=1), np.nan)
     return Triangulated(points, gaps, names)
-
-
-def _read(file: Path) -> tuple[FloatArray, tuple[str, ...]]:
-    try:
-        text = file.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise VisionFileError(str(file), error.strerror or str(error)) from None
-    except UnicodeDecodeError:
-        raise VisionFileError(str(file), "no text in UTF-8") from None
-    reader = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
-    header = [each.strip() for each in reader.fieldnames or ()]
-    missing = [name for name in COLUMNS if name not in header]
-    if missing:
-        raise VisionFileError(str(file), f"no column {', '.join(missing)}")
-    reader.fieldnames = header
-    rows, names = [], []
-    for number, row in enumerate(reader, 1):
-        values = []
-        for name in COLUMNS:
-            try:
-                value = float(row[name] or "")
-            except (TypeError, ValueError):
-                value = np.nan
-            if not np.isfinite(value):
-                reason = f"row {number}, column {name}: {row[name]!r} is no number"
-                raise VisionFileError(str(file), reason)
-            values.append(value)
-        rows.append(values)
-        if "name" in header:
-            names.append((row["name"] or "").strip())
-    return np.array(rows, dtype=float).reshape(-1, 4), tuple(names)

@@ -71,12 +71,11 @@ impl Solver {
     /// A request to this solver, checked and ready.
     pub fn call<'a>(&self, request: Request<'a>) -> Result<Call<'a>> {
         let is_loop = matches!(self, Self::Step(s) if !s.plain && !s.step.is_feedback());
-        let call = match request.second().filter(|_| !is_loop) {
-            None => self.plain_call(request)?,
-            Some(second) => {
-                let call = self.plain_call(request.without_second())?;
-                Call::Refined(Box::new(Refined::new(request, second, call)?))
-            }
+        let call = if request.second().is_none() || is_loop {
+            self.plain_call(request)?
+        } else {
+            let call = self.plain_call(request.without_second())?;
+            Call::Refined(Box::new(Refined::new(request, call)?))
         };
         match request.guard().filter(|guard| guard.prefer == Prefer::Clearance) {
             Some(guard) => Ok(Call::Climb(Box::new(Climb::new(request, guard, call)?))),

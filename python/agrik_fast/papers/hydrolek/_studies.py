@@ -185,7 +185,7 @@ def _loop(directory: Path, name: str, law: str, note: str) -> list[Path]:
     axes.set_ylim(0.7, 2.5)
     # A box has its size once it is drawn, and the arrows go from edge to edge.
     drawing.canvas.draw()
-    back, pad = axes.transData.inverted(), 0.5 * drawn[0].get_fontsize() * drawing.dpi / 72
+    back, pad = axes.transData.inverted(), 0.5 * float(drawn[0].get_fontsize()) * drawing.dpi / 72
     words = [back.transform(each.get_window_extent().padded(pad))[:, 0].tolist() for each in drawn]
     starts = [0.1, *(right for _, right in words)]
     ends = [*(left for left, _ in words), 9.25]

@@ -26,13 +26,13 @@ pub struct Branches {
     reached: Column<bool>,
     singular: Column<u8>,
     status: Column<u8>,
-    warnings: Column<u8>,
+    warnings: Sparse<u8>,
     /// Codes to be added to them, one a target or none at all.
     more: Vec<u8>,
-    free: Column<i8>,
-    values: Column<f64>,
-    numbers: Column<u32>,
-    left: Column<f64>,
+    free: Sparse<i8>,
+    values: Sparse<f64>,
+    numbers: Sparse<u32>,
+    left: Sparse<f64>,
 }
 
 impl Branches {
@@ -58,16 +58,12 @@ impl Branches {
             reached: Column::new(all.reached),
             singular: Column::new(all.singular),
             status: Column::new(all.status),
-            warnings: Column::new(filled(all.warnings, targets, 0)),
+            warnings: Sparse::new(all.warnings),
             more: Vec::new(),
-            free: Column::new(filled(all.free, targets, -1)),
-            values: Column::new(filled(all.values, targets * all.branches, f64::NAN)),
-            numbers: Column::new(if all.numbers.is_empty() {
-                (0..targets).flat_map(|_| 0..all.branches as u32).collect()
-            } else {
-                all.numbers
-            }),
-            left: Column::new(filled(all.left, targets, 0.0)),
+            free: Sparse::new(all.free),
+            values: Sparse::new(all.values),
+            numbers: Sparse::new(all.numbers),
+            left: Sparse::new(all.left),
         }
     }
 
@@ -86,12 +82,12 @@ impl Branches {
             reached: Column::new(Vec::new()),
             singular: Column::new(Vec::new()),
             status: Column::new(Vec::new()),
-            warnings: Column::new(vec![0]),
+            warnings: Sparse::new(Vec::new()),
             more: Vec::new(),
-            free: Column::new(vec![-1]),
-            values: Column::new(vec![f64::NAN; branches]),
-            numbers: Column::new((0..branches as u32).collect()),
-            left: Column::new(vec![0.0]),
+            free: Sparse::new(Vec::new()),
+            values: Sparse::new(Vec::new()),
+            numbers: Sparse::new(Vec::new()),
+            left: Sparse::new(Vec::new()),
         }
     }
 
@@ -105,9 +101,30 @@ impl Branches {
     }
 }
 
-/// A column, or as many of the same number where it is empty.
-fn filled<T: Copy>(column: Vec<T>, count: usize, number: T) -> Vec<T> {
-    if column.is_empty() { vec![number; count] } else { column }
+/// A column that most calls have nothing to put into: filled when it is asked for.
+struct Sparse<T> {
+    column: Column<T>,
+    empty: bool,
+}
+
+impl<T: numpy::Element + Copy> Sparse<T> {
+    fn new(values: Vec<T>) -> Self {
+        Self { empty: values.is_empty(), column: Column::new(values) }
+    }
+
+    /// The array; of an empty column with `number` of each place in it.
+    fn get<'py>(
+        &self,
+        py: Python<'py>,
+        shape: &[usize],
+        number: impl Fn(usize) -> T,
+    ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+        if !self.empty {
+            return self.column.get(py, shape);
+        }
+        let count = shape.iter().product();
+        self.column.get_or(py, || array(py, shape, (0..count).map(number).collect()))
+    }
 }
 
 /// One number for each branch of a single target.
@@ -170,7 +187,7 @@ impl Branches {
     /// Sums of codes of `agrik_fast.Warnings`.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
-        let own = self.warnings.get(py, &self.shape)?;
+        let own = self.warnings.get(py, &self.shape, |_| 0)?;
         if self.more.is_empty() {
             return Ok(own);
         }
@@ -182,25 +199,25 @@ impl Branches {
     /// Entry of `q` that a singularity leaves free, -1 for none.
     #[getter]
     fn free_joint<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<i8>>> {
-        self.free.get(py, &self.shape)
+        self.free.get(py, &self.shape, |_| -1)
     }
 
     /// Value of the swept joint or arm angle of each branch; NaN without a sweep.
     #[getter]
     fn value<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.values.get(py, &self.with(&[self.branches]))
+        self.values.get(py, &self.with(&[self.branches]), |_| f64::NAN)
     }
 
     /// Number of each branch among those of its value.
     #[getter]
     fn branch<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u32>>> {
-        self.numbers.get(py, &self.with(&[self.branches]))
+        self.numbers.get(py, &self.with(&[self.branches]), |i| (i % self.branches.max(1)) as u32)
     }
 
     /// Least angle left of targets that ask for more than the arm has joints for, rad.
     #[getter]
     fn orientation_error<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.left.get(py, &self.shape)
+        self.left.get(py, &self.shape, |_| 0.0)
     }
 
     fn __len__(slf: &Bound<'_, Self>) -> PyResult<usize> {

@@ -14,6 +14,7 @@ use agrik::solve::{Setup, Tracker};
 use numpy::{PyArray1, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyString;
 use smallvec::{SmallVec, smallvec};
 
 use super::arguments::{Options, each_joint, read_doubles};
@@ -22,6 +23,7 @@ use super::straighten::{Invalid, Mended};
 use super::targets::{Targets, first_not_rigid};
 use crate::convert::{Floats, numbers, wrong_shape};
 use crate::errors;
+use crate::records::hand_on;
 use crate::single_use::take_turn;
 use crate::solvers::solver::step_settings;
 
@@ -271,5 +273,39 @@ impl TargetSolver {
     #[getter]
     fn restarts(&self) -> u32 {
         self.last.restarts.load(Relaxed)
+    }
+
+    /// The last answer as a record of its own.
+    #[getter]
+    fn result<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(slf, "last_answer", &[])
+    }
+
+    /// Return the last answer's arrays by their names.
+    fn to_dict<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(&Self::result(slf)?, "to_dict", &[])
+    }
+
+    /// Return the last answer as a `pyarrow.Table` of one row.
+    fn to_arrow<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(&Self::result(slf)?, "to_arrow", &[])
+    }
+
+    /// Return the last answer as a `pandas.DataFrame` of one row.
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(&Self::result(slf)?, "to_pandas", &[])
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        hand_on(&Self::result(slf)?, "html_table", &[])
+    }
+
+    fn __repr__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let kind = match slf.get().work {
+            Work::Alone(_) => "",
+            Work::Loop(..) => "a loop, ",
+        };
+        let head = format!("{}, {kind}", slf.get().chain.name());
+        hand_on(slf, "text_of_solver", &[PyString::new(slf.py(), &head).into_any()])
     }
 }

@@ -8,12 +8,15 @@ use std::fmt;
 
 use crate::lanes::Lanes;
 
+/// Postures that are asked about at a time, at most.
+pub const TOGETHER: usize = Lanes::BITS as usize;
+
 /// What decides whether a posture may be an answer.
 ///
 /// Postures are rows of joint values within the limits (rad and m). Answers depend on them
 /// alone, so that those of a call do not depend on threads.
 pub trait Accept: fmt::Debug + Send + Sync {
-    /// Which of up to 32 postures may be answers: bit `i` for row `i`.
+    /// Which of up to [`TOGETHER`] postures may be answers: bit `i` for row `i`.
     fn accepts(&self, q: &[f64]) -> Lanes;
 
     /// How far one posture is from being refused, m, or `cap` where that is less: 0 or less

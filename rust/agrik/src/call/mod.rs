@@ -11,7 +11,7 @@ mod second;
 mod targets;
 
 pub(crate) use accept::Verdict;
-pub use accept::{Accept, Guard, Prefer};
+pub use accept::{Accept, Guard, Prefer, TOGETHER};
 pub use aim::{Aim, AxisBounds, Near, Tolerance};
 pub(crate) use aim::{INSIDE, Left, Measure};
 pub(crate) use answers::Outcome;

@@ -220,11 +220,16 @@ impl<'a> Request<'a> {
 
     /// Target `row`, `count` times.
     pub(crate) fn copies(&self, row: usize, count: usize) -> Copies {
+        self.chosen(std::iter::repeat_n(row, count))
+    }
+
+    /// Some of the targets.
+    pub(crate) fn chosen(&self, rows: impl Iterator<Item = usize>) -> Copies {
         match self.goals {
             Goals::Positions { points, direction } => {
-                Copies::Points(vec![points[row]; count], direction)
+                Copies::Points(rows.map(|row| points[row]).collect(), direction)
             }
-            Goals::Poses(poses) => Copies::Poses(vec![poses[row]; count]),
+            Goals::Poses(poses) => Copies::Poses(rows.map(|row| poses[row]).collect()),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Second aims: of the postures that reach a target the one that is best by another measure.
 
 use crate::allowed::is_measure;
-use crate::chain::{Chain, JointKind, Variable};
+use crate::chain::{Chain, Variable};
 use crate::error::{Error, Result};
 use crate::kinematics::PerJoint;
 use crate::lanes::Real;
@@ -17,8 +17,6 @@ pub enum Merit {
     Limits,
     /// Far from singularities: the root of `det(J J^T)` (Yoshikawa 1985).
     Manipulability,
-    /// Not exactly at a limit.
-    OffLimits,
 }
 
 impl Merit {
@@ -31,10 +29,6 @@ impl Merit {
     ];
 }
 
-/// Share of a joint's range, and way (rad, or m by the robot's size), that [`Merit::OffLimits`]
-/// wants between a joint and its limits.
-const ROOM: f64 = 0.02;
-const MOST_ROOM: f64 = 0.05;
 /// Least distance from a limit that [`Merit::Limits`] counts, as a share of the range.
 const LEAST: f64 = 1e-4;
 
@@ -57,21 +51,13 @@ struct Joint {
     middle: f64,
     /// Half of its range; 0 where it has no limits to speak of.
     half: f64,
-    room: f64,
-    /// What makes the pull off a limit of its distance, 1 or 1/m^2: a slide's steps are in sizes
-    /// of the robot.
-    firmness: f64,
 }
 
 impl Joint {
     fn of(v: &Variable, size: f64) -> Self {
         let bounded = v.upper - v.lower < 1e3 * size.max(1.0) && v.lower < v.upper;
         let half = if bounded { 0.5 * (v.upper - v.lower) } else { 0.0 };
-        let slides = v.kind == JointKind::Prismatic;
-        let most = if slides { MOST_ROOM * size } else { MOST_ROOM };
-        let room = (2.0 * ROOM * half).min(most);
-        let firmness = if slides { 1.0 / (size * size) } else { 1.0 };
-        Self { lower: v.lower, upper: v.upper, middle: v.middle(), half, room, firmness }
+        Self { lower: v.lower, upper: v.upper, middle: v.middle(), half }
     }
 }
 
@@ -110,7 +96,7 @@ impl Second {
     #[inline(always)]
     pub(crate) fn slope<R: Real>(&self, i: usize, q: R, about: R) -> R {
         let (joint, weight) = (&self.joints[i], self.weights[i]);
-        let Joint { lower, upper, middle, half, room, firmness } = *joint;
+        let Joint { lower, upper, middle, half } = *joint;
         match self.measure {
             Merit::Near => (q - about) * R::splat(weight),
             Merit::Middle if half > 0.0 => {
@@ -122,12 +108,6 @@ impl Second {
                 let down = (q - R::splat(lower)).max(least);
                 let product = up * down;
                 (down - up) * R::splat(weight * half * half) / (product * product)
-            }
-            Merit::OffLimits => {
-                let none = R::zero();
-                let high = (q - R::splat(upper - room)).max(none);
-                let low = (R::splat(lower + room) - q).max(none);
-                (high - low) * R::splat(firmness)
             }
             _ => R::zero(),
         }
@@ -144,7 +124,6 @@ impl Second {
                 let least = 2.0 * half * LEAST;
                 weight * half * half / ((upper - q).max(least) * (q - lower).max(least))
             }
-            Merit::OffLimits => f64::from(u8::from(q <= lower || q >= upper)),
             _ => 0.0,
         }
     }

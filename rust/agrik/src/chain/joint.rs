@@ -6,6 +6,15 @@ use nalgebra::{IsometryMatrix3, Unit, Vector3};
 /// joint that turns between them turns freely.
 pub const UNLIMITED: f64 = 1e4;
 
+/// The value that answers stay near, for the caller's `about`: inside the limits, and of a joint
+/// that `turns` freely where sines know an angle well.
+#[inline(always)]
+pub fn reference(about: f64, (lower, upper): (f64, f64), turns: bool) -> f64 {
+    use std::f64::consts::TAU;
+    let about = about.max(lower).min(upper);
+    if turns && about.abs() > UNLIMITED { about - (about / TAU).round() * TAU } else { about }
+}
+
 /// How a joint moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointKind {

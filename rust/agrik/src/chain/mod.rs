@@ -15,7 +15,7 @@ use nalgebra::{IsometryMatrix3, Matrix4};
 
 pub use compiled::{Compiled, Link, Tail, Twist};
 pub use dh::{DhConvention, DhRow};
-pub use joint::{Joint, JointKind, Mimic, MotionLimits, UNLIMITED};
+pub use joint::{Joint, JointKind, Mimic, MotionLimits, UNLIMITED, reference};
 pub use reach::Reach;
 pub use urdf::Ends;
 
@@ -52,6 +52,17 @@ impl Variable {
     pub fn middle(&self) -> f64 {
         let wide = self.upper - self.lower >= 2.0 * UNLIMITED;
         if wide { self.near_zero() } else { 0.5 * (self.lower + self.upper) }
+    }
+
+    /// Whether the joint can take every angle, so that its limits hold nothing back.
+    pub fn turns(&self) -> bool {
+        // Half a step of rounding: limits of plus and minus half a turn are a full one.
+        self.periodic && self.upper - self.lower >= std::f64::consts::TAU - 1e-15
+    }
+
+    /// The value that answers stay near, for the caller's `about`.
+    pub fn reference(&self, about: f64) -> f64 {
+        reference(about, (self.lower, self.upper), self.turns())
     }
 }
 

@@ -175,10 +175,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'p, R, T,
         let dof = variables.len();
         let limits = limits(plan);
         let first = setup.aim.puts_position_first();
-        let steps = match plan.second_aim() {
-            Some(second) if WAY == SECOND => second::most_steps(second),
-            _ => settings.max_iterations,
-        };
+        let steps = if WAY == SECOND { second::STEPS } else { settings.max_iterations };
         Self {
             plan,
             setup,

@@ -1,5 +1,7 @@
 //! A path of targets, one after the other: every posture continues the one before.
 
+mod front;
+
 use super::Settings;
 use super::limit::wound;
 use super::pieces::between;
@@ -22,11 +24,10 @@ const BEGIN: Settings = Settings { max_restarts: 20, ..Settings::LEVENBERG_MARQU
 /// One attempt from a start.
 const ONE: Settings = Settings { max_restarts: 0, ..Settings::LEVENBERG_MARQUARDT };
 /// Starts that are tried side by side where the plain continuation fails, and for the postures
-/// from which a path is looked for backward.
+/// that a path can begin from.
 const OTHERS: usize = 16;
 const STARTS: usize = 96;
-/// Postures of a target that differ by less are one, and no more than so many are looked at.
-const SAME: f64 = 1e-3;
+/// No more postures of a target than this are looked at.
 const MOST_POSTURES: usize = 32;
 /// Steps into which the way to a target is cut at most to see whether it goes on.
 const MOST_PIECES: usize = 512;
@@ -81,12 +82,18 @@ impl<'a> Follow<'a> {
     pub fn run(&self, level: Level, poll: &mut dyn FnMut() -> bool) -> Result<Path> {
         let (request, dof) = (&self.plan.request, self.plan.request.chain().dof());
         let count = request.len();
-        let mut walker = Walker { follow: self, level, rows: Vec::with_capacity(count), piece: 0 };
-        for row in 0..count {
-            if !poll() {
+        let rows = Vec::with_capacity(count);
+        let mut walker = Walker { follow: self, level, rows, piece: 0, poll, stopped: false };
+        // A way round a dead end goes on to targets behind it.
+        while walker.rows.len() < count {
+            walker.stopped = walker.stopped || !(walker.poll)();
+            if walker.stopped {
                 return Err(Error::Interrupted);
             }
-            walker.advance(row);
+            walker.advance(walker.rows.len());
+        }
+        if walker.stopped {
+            return Err(Error::Interrupted);
         }
         let mut answers = Answers::new(count, dof);
         let mut rows = answers.as_mut();
@@ -137,8 +144,8 @@ struct Row {
     jump: bool,
 }
 
-/// Bounds of the joint values, and the posture that they are drawn to.
-type Inside<'a> = (&'a [(f64, f64)], &'a [f64]);
+/// Bounds of the joint values, and the posture that steps are drawn to by a share of the way.
+type Inside<'a> = (&'a [(f64, f64)], Option<(f64, &'a [f64])>);
 
 /// The arm on its way.
 struct Walker<'f> {
@@ -147,6 +154,9 @@ struct Walker<'f> {
     rows: Vec<Row>,
     /// Row of the first posture from which on every one continues the one before.
     piece: usize,
+    /// Asked whether to go on, and whether it said no.
+    poll: &'f mut dyn FnMut() -> bool,
+    stopped: bool,
 }
 
 impl Walker<'_> {
@@ -166,12 +176,14 @@ impl Walker<'_> {
         let mut jump = false;
         let mut found = match &before {
             None => self.begin(row, &mut outcome),
-            Some(at) => {
-                let on = self.continued(row, at, at, &mut outcome);
-                let on = on.or_else(|| reached.then(|| self.bridge(row, at, &mut outcome))?);
-                on.or_else(|| reached.then(|| self.in_pieces(row, at, &mut outcome))?)
-            }
+            Some(at) => self.continued(row, at, &mut outcome),
         };
+        if found.is_none() && reached {
+            if self.go_round(row, &mut outcome) {
+                return;
+            }
+            found = self.in_pieces(row, &stays, &mut outcome);
+        }
         if found.is_none() && before.is_some() {
             found = self.anywhere(row, &stays, &mut outcome);
             jump = found.as_ref().is_none_or(|q| !is_step(&stays, q, &self.follow.max_joint_step));
@@ -204,16 +216,11 @@ impl Walker<'_> {
     }
 
     /// A posture for a target from one before, no farther away than a step.
-    fn continued(
-        &self,
-        row: usize,
-        at: &[f64],
-        toward: &[f64],
-        outcome: &mut Outcome,
-    ) -> Option<Vec<f64>> {
+    fn continued(&self, row: usize, at: &[f64], outcome: &mut Outcome) -> Option<Vec<f64>> {
         let chain = self.follow.plan.request.chain();
         let bounds = bounds_around(chain, at, &self.follow.max_joint_step);
-        let first = self.attempts(row, at, Some((&bounds, toward)), at, CONTINUE, outcome);
+        let inside = Some((&bounds[..], Some((self.follow.pull, at))));
+        let first = self.attempts(row, at, inside, at, CONTINUE, outcome);
         if let Some(q) = first.into_iter().next() {
             return Some(q);
         }
@@ -223,8 +230,7 @@ impl Walker<'_> {
         for _ in 0..OTHERS {
             starts.extend(bounds.iter().map(|(a, b)| a + (b - a) * stream.uniform()));
         }
-        let bounds = Some((&bounds[..], toward));
-        self.attempts(row, &starts, bounds, toward, CONTINUE, outcome).into_iter().next()
+        self.attempts(row, &starts, inside, at, CONTINUE, outcome).into_iter().next()
     }
 
     /// The posture for a target at the end of a way that goes on, but faster than the joints may:
@@ -242,48 +248,11 @@ impl Walker<'_> {
             let share = piece as f64 / count as f64;
             let target = between(&plan.request, row - 1, row, share);
             let bounds = bounds_around(plan.request.chain(), &q, &self.follow.max_joint_step);
-            let bounds = Some((&bounds[..], &q[..]));
-            let found = self.attempts_at(&target, &q, bounds, &q, CONTINUE, outcome);
+            let inside = Some((&bounds[..], Some((self.follow.pull, &q[..]))));
+            let found = self.attempts_at(&target, &q, inside, &q, CONTINUE, outcome);
             q = found.into_iter().next()?;
         }
         Some(q)
-    }
-
-    /// The posture for a target on another way to it: from every posture that reaches it the
-    /// path is followed backward, until it meets the one taken so far, or the free start.
-    fn bridge(&mut self, row: usize, at: &[f64], outcome: &mut Outcome) -> Option<Vec<f64>> {
-        let most = &self.follow.max_joint_step;
-        let starts = self.starts(row, at, STARTS);
-        let mut postures = self.attempts(row, &starts, None, at, ONE, outcome);
-        postures.dedup_by(|a, b| a.iter().zip(b).all(|(a, b)| (*a - *b).abs() < SAME));
-        outcome.restarts += 1;
-        let free = self.piece == 0 && self.follow.q0.is_none();
-        for end in postures.into_iter().take(MOST_POSTURES) {
-            let mut way = vec![end.clone()];
-            let mut met = None;
-            for back in (self.piece..row).rev() {
-                let last = way.last().map_or(&end[..], |q| q);
-                let taken = &self.rows[back].q;
-                if is_step(taken, last, most) {
-                    met = Some(back + 1);
-                    break;
-                }
-                let Some(q) = self.continued(back, last, taken, outcome) else { break };
-                way.push(q);
-                if back == 0 && free {
-                    met = Some(0);
-                }
-            }
-            let Some(first) = met else { continue };
-            for (k, q) in way.into_iter().skip(1).enumerate() {
-                let back = row - 1 - k;
-                if back >= first {
-                    self.rows[back].q = q;
-                }
-            }
-            return Some(end);
-        }
-        None
     }
 
     /// The posture nearest to one, of those that a search of the whole range finds.
@@ -318,14 +287,14 @@ impl Walker<'_> {
         &self,
         row: usize,
         starts: &[f64],
-        bounds: Option<Inside<'_>>,
+        inside: Option<Inside<'_>>,
         near: &[f64],
         settings: Settings,
         outcome: &mut Outcome,
     ) -> Vec<Vec<f64>> {
         let request = &self.follow.plan.request;
         let target = request.copies(row, starts.len() / request.chain().dof());
-        self.attempts_at(&target, starts, bounds, near, settings, outcome)
+        self.attempts_at(&target, starts, inside, near, settings, outcome)
     }
 
     /// The postures that several starts lead to, those nearest to `near` first; within bounds
@@ -334,32 +303,34 @@ impl Walker<'_> {
         &self,
         target: &Copies,
         starts: &[f64],
-        bounds: Option<Inside<'_>>,
+        inside: Option<Inside<'_>>,
         near: &[f64],
         settings: Settings,
         outcome: &mut Outcome,
     ) -> Vec<Vec<f64>> {
-        let (plan, pull) = (&self.follow.plan, self.follow.pull);
+        let plan = &self.follow.plan;
         let chain = plan.request.chain();
         let dof = chain.dof();
         let count = starts.len() / dof;
         let mut copies = plan.with(target, starts, settings);
-        copies.bounds = bounds.map(|(bounds, _)| bounds.to_vec());
+        let bounds = inside.map(|(bounds, _)| bounds);
+        copies.bounds = bounds.map(<[_]>::to_vec);
         // A free search goes where it gets; only its order is for what is near.
-        copies.pull = bounds.filter(|_| pull > 0.0).map(|(_, toward)| (pull, toward.to_vec()));
+        let drawn = inside.and_then(|(_, drawn)| drawn).filter(|(pull, _)| *pull > 0.0);
+        copies.pull = drawn.map(|(pull, toward)| (pull, toward.to_vec()));
         let mut answers = Answers::new(count, dof);
         let mut all = Some(answers.as_mut());
         copies.run(self.level, &mut || all.take(), &mut || true);
         outcome.iterations += answers.iterations.iter().sum::<u32>();
-        let inside = |q: &[f64]| {
+        let allowed = |q: &[f64]| {
             chain.within_limits(q)
-                && bounds.is_none_or(|(bounds, _)| {
+                && bounds.is_none_or(|bounds| {
                     q.iter().zip(bounds).all(|(x, (low, high))| low <= x && x <= high)
                 })
         };
         let mut found: Vec<Vec<f64>> = Vec::new();
         for (i, q) in answers.q.chunks_exact(dof).enumerate() {
-            if answers.success(i) && inside(q) {
+            if answers.success(i) && allowed(q) {
                 let variables = chain.variables().iter();
                 let turned = |((x, v), near): ((&f64, _), &f64)| match bounds {
                     None => wound(v, *x, *near),

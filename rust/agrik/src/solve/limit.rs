@@ -2,7 +2,7 @@
 
 use super::plan::Plan;
 use crate::call::Starts;
-use crate::chain::{JointKind, UNLIMITED, Variable};
+use crate::chain::{JointKind, Variable, reference};
 use crate::kinematics::PerJoint;
 use crate::lanes::Real;
 
@@ -36,9 +36,7 @@ pub(super) struct Limit {
 
 impl Limit {
     fn of(v: &Variable) -> Self {
-        // Half a step of rounding: limits of plus and minus half a turn are a full one.
-        let full = v.upper - v.lower >= std::f64::consts::TAU - 1e-15;
-        let turns = v.periodic && full;
+        let turns = v.turns();
         let slides = v.kind == JointKind::Prismatic;
         let winds = turns && v.kind != JointKind::Continuous;
         let (lower, upper) = (v.lower, v.upper);
@@ -55,17 +53,10 @@ impl Limit {
         if self.turns && self.winds && inside { Self { ends, winds: false, ..self } } else { self }
     }
 
-    /// The value that answers stay near, for the caller's `about`: inside the limits, and where
-    /// sines know an angle well.
+    /// The value that answers stay near, for the caller's `about`.
     #[inline(always)]
     pub fn reference(&self, about: f64) -> f64 {
-        use std::f64::consts::TAU;
-        let about = about.max(self.lower).min(self.upper);
-        if self.turns && about.abs() > UNLIMITED {
-            about - (about / TAU).round() * TAU
-        } else {
-            about
-        }
+        reference(about, (self.lower, self.upper), self.turns)
     }
 
     /// The angle of the same posture that is nearest to `about` inside the limits.

@@ -8,7 +8,7 @@ use super::Settings;
 use super::limit::wound;
 use super::setup::Setup;
 use super::start::Sampler;
-use crate::call::{Answers, Copies, Goals, Merit, Request, Second, Solve, Starts};
+use crate::call::{Answers, Copies, Goals, Request, Second, Solve, Starts};
 use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, columns, forward};
@@ -45,13 +45,24 @@ impl<'a> Plan<'a> {
     }
 
     /// What answers are moved to be best at, where the target leaves a freedom for it: what the
-    /// request asks for, or the setup, or not to stand at a limit where nobody gave a start.
+    /// request asks for, or the setup.
     pub(super) fn second_aim(&self) -> Option<&Second> {
+        let second = self.request.second().or(self.setup().second.as_ref());
+        second.filter(|_| self.leaves_freedom())
+    }
+
+    /// Answers with a joint at a limit are replaced: the target leaves a freedom for it, and nobody
+    /// gave a start that they belong to.
+    pub(super) fn keeps_off_limits(&self) -> bool {
+        let settings = &self.setup().settings;
+        let steps = !settings.plain && !settings.step.is_feedback();
+        steps && matches!(self.request.starts(), Starts::Free) && self.leaves_freedom()
+    }
+
+    /// More than one posture around a solution is one.
+    fn leaves_freedom(&self) -> bool {
         let asked = self.setup().aim.weights().iter().filter(|w| **w != 0.0).count();
-        let free = matches!(self.request.starts(), Starts::Free);
-        let usual = |second: &&Second| second.measure != Merit::OffLimits || free;
-        let second = self.request.second().or(self.setup().second.as_ref().filter(usual));
-        second.filter(|_| self.request.chain().dof() > asked || self.setup().slack.is_some())
+        self.request.chain().dof() > asked || self.setup().slack.is_some()
     }
 
     /// Half the logarithm of `det(J J^T)`, of the tool's place, and of its turns too where a full

@@ -2,7 +2,7 @@
 
 use super::plan::Plan;
 use super::step::Settings;
-use crate::call::{AnswersMut, Request, Second, Solve};
+use crate::call::{AnswersMut, Request, Solve};
 use crate::error::Result;
 use crate::lanes::Level;
 
@@ -11,13 +11,12 @@ use crate::lanes::Level;
 pub struct Refined<'a, C> {
     call: C,
     plan: Plan<'a>,
-    second: &'a Second,
 }
 
 impl<'a, C> Refined<'a, C> {
     /// A call for a request with a second aim.
-    pub fn new(request: Request<'a>, second: &'a Second, call: C) -> Result<Self> {
-        Ok(Self { call, plan: Plan::new(request, Settings::default())?, second })
+    pub fn new(request: Request<'a>, call: C) -> Result<Self> {
+        Ok(Self { call, plan: Plan::new(request, Settings::default())? })
     }
 }
 
@@ -40,7 +39,7 @@ impl<C: Solve> Solve for Refined<'_, C> {
         while let Some(mut rows) = next() {
             let mut all = Some(rows.reborrow());
             if !self.call.run(level, &mut || all.take(), keep_going)
-                || !self.plan.refine(self.second, level, rows, keep_going)
+                || !self.plan.refine(level, rows, keep_going)
             {
                 return false;
             }

@@ -6,14 +6,14 @@ use super::Settings;
 use super::engine;
 use super::limit::wound;
 use super::plan::Plan;
-use crate::call::{Answers, AnswersMut, Merit, Outcome, Second, Solve, Status};
+use crate::call::{Answers, AnswersMut, Outcome, Solve, Status};
 use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
 
 /// Up to this many targets are solved one after the other.
 const FEW: usize = 2;
-/// Starts from which a solution off limits is looked for, and the number of the first among the
-/// attempts at a target.
-const ELSEWHERE: usize = 8;
+/// Starts from which a solution off limits is looked for, one after the other, and the number of
+/// the first among the attempts at a target.
+const ELSEWHERE: u32 = 8;
 const FAR: u32 = 1 << 16;
 
 impl Solve for Plan<'_> {
@@ -32,16 +32,19 @@ impl Solve for Plan<'_> {
         next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
         keep_going: &mut dyn FnMut() -> bool,
     ) -> bool {
-        let Some(second) = self.second_aim() else {
+        let aims = self.second_aim().is_some();
+        if !aims && !self.keeps_off_limits() {
             return self.reach(level, next, keep_going);
-        };
+        }
         // A run is moved on when all of it is reached.
         while let Some(mut rows) = next() {
             let mut all = Some(rows.reborrow());
             if !self.reach(level, &mut || all.take(), keep_going) {
                 return false;
             }
-            if !self.refine(second, level, rows, keep_going) {
+            if !aims {
+                self.leave_limits(level, rows);
+            } else if !self.refine(level, rows, keep_going) {
                 return false;
             }
         }
@@ -63,10 +66,9 @@ impl Plan<'_> {
         if self.rows() <= FEW { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
     }
 
-    /// Moves the answers of a run to where the second aim is best.
+    /// Moves the answers of a run to where the second aim is best, if there is one.
     pub(super) fn refine(
         &self,
-        second: &Second,
         level: Level,
         rows: AnswersMut<'_>,
         keep_going: &mut dyn FnMut() -> bool,
@@ -74,77 +76,64 @@ impl Plan<'_> {
         if self.second_aim().is_none() {
             return true;
         }
-        if second.merit() != Merit::OffLimits {
-            let mut all = Some(rows);
-            return self.better(level, &mut || all.take(), keep_going);
-        }
+        let mut all = Some(rows);
+        let next = &mut || all.take();
+        let kernel = Refinement { plan: self, next, keep_going };
+        if self.rows() <= FEW { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
+    }
+
+    /// Looks for other solutions in place of answers with a joint exactly at a limit.
+    fn leave_limits(&self, level: Level, rows: AnswersMut<'_>) {
         if !(0..rows.len()).any(|i| self.stands_at_a_limit(&rows, i)) {
-            return true;
+            return;
         }
         let mut single: SmallVec<[_; 1]> = match rows.len() {
             1 => smallvec![rows],
             _ => rows.split(1).into(),
         };
-        single.retain(|row| self.stands_at_a_limit(row, 0));
-        let mut open = single.iter_mut().map(AnswersMut::reborrow);
-        if !self.better(level, &mut || open.next(), keep_going) {
-            return false;
-        }
-        // What a few small steps do not get off a limit may be had by larger ones.
-        single.retain(|row| self.stands_at_a_limit(row, 0));
-        let Some(wider) = self.setup().wider.as_ref().filter(|_| !single.is_empty()) else {
-            return true;
-        };
-        let mut plan = self.clone();
-        plan.request = plan.request.with_second(wider);
-        let mut open = single.iter_mut().map(AnswersMut::reborrow);
-        if !plan.better(level, &mut || open.next(), keep_going) {
-            return false;
-        }
-        // And some only by another solution.
-        for mut row in single {
-            if self.stands_at_a_limit(&row, 0) {
-                self.elsewhere(level, second, &mut row);
+        for round in 0..ELSEWHERE {
+            single.retain(|row| self.stands_at_a_limit(row, 0));
+            if single.is_empty() {
+                break;
             }
+            self.elsewhere(level, round, &mut single);
         }
-        true
     }
 
-    /// Puts another solution in place of an answer, one with no joint at a limit, if one of a few
-    /// starts leads to one.
-    fn elsewhere(&self, level: Level, second: &Second, row: &mut AnswersMut<'_>) {
+    /// Puts another solution in place of answers, where one start each leads to one with no joint
+    /// at a limit.
+    fn elsewhere(&self, level: Level, round: u32, rows: &mut [AnswersMut<'_>]) {
         let (chain, dof) = (self.request.chain(), self.dof());
-        let Some(goal) = self.request.goal(row.first) else { return };
-        let there = self.setup().at_point(goal);
-        let mut starts = vec![0.0; ELSEWHERE * dof];
-        for (k, start) in starts.chunks_exact_mut(dof).enumerate() {
-            self.sampler.sample(row.first, FAR + k as u32, &there, start);
+        let mut starts = vec![0.0; rows.len() * dof];
+        for (row, start) in rows.iter().zip(starts.chunks_exact_mut(dof)) {
+            if let Some(goal) = self.request.goal(row.first) {
+                let there = self.setup().at_point(goal);
+                self.sampler.sample(row.first, FAR + round, &there, start);
+            }
         }
-        let copies = self.request.copies(row.first, ELSEWHERE);
+        let targets = self.request.chosen(rows.iter().map(|row| row.first));
         let one = Settings { max_restarts: 0, ..self.setup().settings.clone() };
-        let mut plan = self.with(&copies, &starts, one);
-        plan.request = plan.request.with_second(second);
-        let mut answers = Answers::new(ELSEWHERE, dof);
+        let plan = self.with(&targets, &starts, one);
+        let mut answers = Answers::new(rows.len(), dof);
         let mut all = Some(answers.as_mut());
-        // Not `run`, which would look elsewhere for each of these in turn.
         plan.reach(level, &mut || all.take(), &mut || true);
-        let at_limits = answers.as_mut().split(1).into_iter();
-        let mut open = at_limits.filter(|row| plan.stands_at_a_limit(row, 0));
-        plan.better(level, &mut || open.next(), &mut || true);
-        let rows = answers.as_mut();
+        let found = answers.as_mut();
         let guard = self.request.guard();
-        let accepted = |q: &[f64]| guard.is_none_or(|guard| guard.accept.accepts(q) & 1 != 0);
-        let free = |i: &usize| answers_free(&plan, &rows, *i) && accepted(rows.q(*i));
-        let Some(found) = (0..ELSEWHERE).find(free) else { return };
-        let (before, new) = (row.outcome(0), rows.outcome(found));
-        let outcome = Outcome {
-            iterations: before.iterations + new.iterations,
-            restarts: before.restarts + found as u32 + 1,
-            ..new
-        };
-        let variables = chain.variables().iter();
-        for ((to, x), v) in row.finish(0, outcome).iter_mut().zip(rows.q(found)).zip(variables) {
-            *to = wound(v, *x, v.middle());
+        for (i, row) in rows.iter_mut().enumerate() {
+            let free = found.ended(i, Status::Converged) && !plan.stands_at_a_limit(&found, i);
+            if !free || guard.is_some_and(|guard| guard.accept.accepts(found.q(i)) & 1 == 0) {
+                continue;
+            }
+            let (before, new) = (row.outcome(0), found.outcome(i));
+            let outcome = Outcome {
+                iterations: before.iterations + new.iterations,
+                restarts: before.restarts + round + 1,
+                ..new
+            };
+            let joints = found.q(i).iter().zip(chain.variables());
+            for (to, (x, v)) in row.finish(0, outcome).iter_mut().zip(joints) {
+                *to = wound(v, *x, v.middle());
+            }
         }
     }
 
@@ -154,22 +143,6 @@ impl Plan<'_> {
         rows.ended(i, Status::Converged)
             && rows.q(i).iter().zip(variables).any(|(x, v)| *x <= v.lower || v.upper <= *x)
     }
-
-    /// Moves answers to where the plan's second aim is best.
-    fn better<'a>(
-        &self,
-        level: Level,
-        next: &mut dyn FnMut() -> Option<AnswersMut<'a>>,
-        keep_going: &mut dyn FnMut() -> bool,
-    ) -> bool {
-        let kernel = Refinement { plan: self, next, keep_going };
-        if self.rows() <= FEW { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
-    }
-}
-
-/// Row `i` has an answer, and no joint of it at a limit.
-fn answers_free(plan: &Plan<'_>, rows: &AnswersMut<'_>, i: usize) -> bool {
-    rows.ended(i, Status::Converged) && !plan.stands_at_a_limit(rows, i)
 }
 
 /// The loop of the second aim as a kernel.

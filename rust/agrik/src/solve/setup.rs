@@ -3,7 +3,7 @@
 use super::Settings;
 use super::start::Ranking;
 use super::step::{Feedback, Lengths, StartRule, middle};
-use crate::call::{Aim, Measure, Merit, Second, Tolerance};
+use crate::call::{Aim, Measure, Second, Tolerance};
 use crate::chain::{Chain, JointKind, Reach, Tail};
 use crate::error::Result;
 use crate::task::{Goal, rotation_scale};
@@ -83,10 +83,8 @@ pub struct Setup {
     pub(super) usual_start: Option<Vec<f64>>,
     pub(super) ranking: Ranking,
     pub(super) tool_reach: Reach,
-    /// What answers are moved to be best at.
+    /// What answers are moved to be best at, if the request says nothing else.
     pub(super) second: Option<Second>,
-    /// What moves answers off a limit that smaller steps do not get off it.
-    pub(super) wider: Option<Second>,
     /// Joint values of the chain that it was made for.
     pub(super) dof: usize,
 }
@@ -165,9 +163,6 @@ impl Setup {
             StartRule::Middle => Some(middle(chain)),
         };
         let ranking = ranking(&aim, near, point, rotation_scale);
-        let steps = !settings.plain && !settings.step.is_feedback();
-        let of = |merit| steps.then(|| Second::new(chain, merit, None, None)).transpose();
-        let (second, wider) = (of(Merit::OffLimits)?, of(Merit::Limits)?);
         Ok(Self {
             aim,
             settings,
@@ -179,8 +174,7 @@ impl Setup {
             usual_start,
             ranking,
             tool_reach,
-            second,
-            wider,
+            second: None,
             dof: chain.dof(),
         })
     }

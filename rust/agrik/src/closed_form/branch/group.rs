@@ -192,7 +192,7 @@ impl<R: Real> Near<R> {
     pub fn set(&mut self, geometry: &Geometry, lane: usize, q: &[f64]) {
         let joints = geometry.variables.iter().zip(&geometry.limits);
         for (centre, (variable, limit)) in self.centre.iter_mut().zip(joints) {
-            centre.set_lane(lane, q[*variable].clamp(limit.lower, limit.upper));
+            centre.set_lane(lane, limit.reference(q[*variable]));
         }
     }
 

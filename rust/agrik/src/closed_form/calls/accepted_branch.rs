@@ -11,7 +11,7 @@ use super::all_branches::fill;
 use super::arm_angle::ArmAngle;
 use super::branches::Branches;
 use super::query::{FEW, Query};
-use crate::call::{AnswersMut, Guard, Outcome, Prefer, Status};
+use crate::call::{AnswersMut, Guard, Outcome, Prefer, Status, TOGETHER};
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::branch::group::{Job, Near};
 use crate::closed_form::geometry::candidate::JOINTS;
@@ -19,8 +19,6 @@ use crate::lanes::Level;
 
 /// Arm angles all round that are looked at where one is free.
 const ANGLES: usize = 24;
-/// Postures that a guard is asked about at a time.
-const TOGETHER: usize = 32;
 
 /// Puts accepted branches in place of the answers `range` of a run that are not, or less
 /// preferred.

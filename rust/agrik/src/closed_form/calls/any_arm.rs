@@ -1,5 +1,6 @@
 //! All branches of arms of six joints that turn, and of seven with one of them locked.
 
+use super::added::Added;
 use super::branches::{Branches, BranchesMut};
 use super::locked::Values;
 use super::warning;
@@ -11,12 +12,12 @@ use crate::closed_form::families::six::Six;
 use crate::closed_form::geometry::enclosure::Margin;
 use crate::closed_form::geometry::limit::{Limit, SLACK};
 use crate::closed_form::geometry::rigid::Rigid;
-use crate::closed_form::geometry::screws::{EXACT, Screw, Screws};
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, forward};
-use crate::lanes::{Level, V3, cross, dot, norm, sub};
-use crate::task::{Task, axis_goal, rotation_between};
+use crate::lanes::{Level, norm, sub};
+use crate::task::Task;
 use crate::threads::share;
+use smallvec::SmallVec;
 use std::f64::consts::TAU;
 
 /// Targets that a thread takes at a time.
@@ -36,55 +37,14 @@ pub struct AnyArm<'a> {
 
 /// Targets with what was found for them.
 struct Solved {
-    goals: Vec<Rigid<f64>>,
-    near: Vec<[f64; 6]>,
-    sets: Vec<Set>,
-    bad: Vec<bool>,
+    goals: Few<Rigid<f64>>,
+    near: Few<[f64; 6]>,
+    sets: Few<Set>,
+    bad: Few<bool>,
 }
 
-/// An arm of fewer than six joints, with turns about the tool point added that the task does not
-/// ask for: their values are dropped.
-pub struct Added {
-    six: Six,
-    /// The tool in the last joint's frame.
-    tool: Rigid<f64>,
-    /// Joints that there are.
-    joints: usize,
-    /// What the added joints do counts as an error.
-    counts: bool,
-}
-
-impl Added {
-    /// The arm of a request: of five joints for a point and an axis, of three for a point.
-    pub fn new(request: &Request<'_>, every: &Every) -> std::result::Result<Self, String> {
-        let tail = request.tail();
-        let (point, joints) = (tail.translation, every.joints());
-        let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let (axes, turns): (_, Vec<V3<f64>>) = match (request.task(), joints) {
-            (Task::Axis { tool_axis }, 5) => {
-                let axes = axis_goal(point, tail.direction(tool_axis)).axes;
-                (axes, vec![axes[2]])
-            }
-            (Task::Pose, 5) => (unit, vec![tail.direction([0.0, 0.0, 1.0])]),
-            (Task::Position | Task::Pose, 3) => (unit, unit.to_vec()),
-            _ => return Err(format!("{joints} joints, which do not fit the task")),
-        };
-        let tool = Rigid { axes, shift: point };
-        let at = every.screws.tool;
-        let added = turns.iter().map(|w| Screw { axis: at.turn(*w), point: at.apply(point) });
-        let all = every.screws.joints.iter().copied().chain(added).collect();
-        let screws = Screws { joints: all, tool: at.after(&tool) };
-        if joints == 5 {
-            let (last, new) = (screws.joints[4], screws.joints[5]);
-            let off = norm(cross(sub(new.point, last.point), last.axis));
-            if screws.tilt(4, 5) < EXACT && off < EXACT * screws.length() {
-                return Err("its last joint turns about the tool axis itself".to_owned());
-            }
-        }
-        let counts = request.task().fixes_pose();
-        Ok(Self { six: Six::new(&screws, None)?, tool, joints, counts })
-    }
-}
+/// Of a single target without asking for memory.
+type Few<T> = SmallVec<[T; 1]>;
 
 impl<'a> AnyArm<'a> {
     /// The arm that stands for all values of the lock.
@@ -118,7 +78,10 @@ impl<'a> AnyArm<'a> {
         }
         let level = Level::in_use();
         let work = |mut rows: BranchesMut<'_>| self.run(level, like, &mut rows);
-        if !share(branches.as_mut_with(&mut q).split(RUN), threads, &work, poll) {
+        let all = branches.as_mut_with(&mut q);
+        if rows <= RUN {
+            work(all);
+        } else if !share(all.split(RUN), threads, &work, poll) {
             return Err(Error::Interrupted);
         }
         branches.q = q;
@@ -138,7 +101,12 @@ impl<'a> AnyArm<'a> {
             self.solved(level, like, rows.first, rows.len());
         for i in 0..rows.len() {
             if let Some(added) = &self.added {
-                self.drop_added(added, rows, i, &goals[i], &mut sets[i]);
+                let allowed = self.request.tolerance().orientation;
+                let wish = (&near[i], allowed);
+                let least = added.drop(self.every, &goals[i], wish, &mut sets[i]);
+                if let Some(left) = rows.left.get_mut(i) {
+                    *left = least;
+                }
             }
             self.write(rows, i, &sets[i], &near[i], bad[i]);
             if let Some(left) = rows.left.get(i)
@@ -154,10 +122,11 @@ impl<'a> AnyArm<'a> {
     fn solved(&self, level: Level, like: &Six, first: usize, count: usize) -> Solved {
         let (every, (free, joints)) = (self.every, self.free());
         let mut work = Work::default();
-        let mut goals = Vec::with_capacity(count);
-        let mut near = Vec::with_capacity(count);
-        let mut sets = vec![Set::new(); count];
-        let mut bad = vec![false; count];
+        let mut goals = Few::with_capacity(count);
+        let mut near = Few::with_capacity(count);
+        let mut sets = Few::new();
+        sets.resize_with(count, Set::new);
+        let mut bad = Few::from_elem(false, count);
         let unit = Rigid::<f64>::identity();
         let margin = self.margin();
         let given = !matches!(self.request.starts(), Starts::Free);
@@ -185,8 +154,7 @@ impl<'a> AnyArm<'a> {
             let mut about = [0.0; 6];
             for (x, k) in about.iter_mut().zip(&free[..joints]) {
                 let limit = &every.limits[*k];
-                *x = q0
-                    .map_or(limit.middle, |q0| q0[every.order[*k]].clamp(limit.lower, limit.upper));
+                *x = q0.map_or(limit.middle, |q0| limit.reference(q0[every.order[*k]]));
             }
             near.push(about);
         }
@@ -211,7 +179,12 @@ impl<'a> AnyArm<'a> {
                     begin = end;
                 }
             }
-            _ => like.solve(level, (&goals, margin), (&near, given), &mut sets, &mut work),
+            _ => {
+                let spread = |added: &Added| near.iter().map(|q| added.spread(q)).collect();
+                let wider: Option<Vec<[f64; 6]>> = self.added.as_ref().map(spread);
+                let near = wider.as_deref().unwrap_or(&near);
+                like.solve(level, (&goals, margin), (near, given), &mut sets, &mut work);
+            }
         }
         Solved { goals, near, sets, bad }
     }
@@ -222,6 +195,7 @@ impl<'a> AnyArm<'a> {
         let chain = self.request.chain();
         let mut workspace = Workspace::<f64>::new(chain.compiled());
         let (free, _) = self.free();
+        let limits = free.map(|joint| &self.every.limits[joint]);
         let mut q = vec![0.0; chain.dof()];
         let mut begin = 0;
         while begin < rows.len() {
@@ -231,14 +205,7 @@ impl<'a> AnyArm<'a> {
                 let row = begin + i;
                 let mut best: Option<(f64, [f64; 6])> = None;
                 for posture in found.sets[i].postures() {
-                    let mut one = *posture;
-                    let mut inside = true;
-                    for (k, x) in one.iter_mut().enumerate() {
-                        let limit = &self.every.limits[free[k]];
-                        let within;
-                        (*x, within) = representative(limit, *x, found.near[i][k]);
-                        inside &= within;
-                    }
+                    let (one, inside) = representatives(&limits, posture, &found.near[i]);
                     let far = apart(&one, &found.near[i]);
                     if inside && best.is_none_or(|(known, _)| far < known) {
                         best = Some((far, one));
@@ -266,36 +233,6 @@ impl<'a> AnyArm<'a> {
             }
             begin += count;
         }
-    }
-
-    /// Leaves the joints that there are; of postures that ask too much the one that asks least
-    /// comes first, and none of them is an answer.
-    fn drop_added(
-        &self,
-        added: &Added,
-        rows: &mut BranchesMut<'_>,
-        i: usize,
-        goal: &Rigid<f64>,
-        set: &mut Set,
-    ) {
-        let given = *set;
-        (set.count, set.free) = (0, set.free & ((1 << added.joints) - 1));
-        let mut least = f64::INFINITY;
-        for (q, singular) in given.postures().iter().zip(given.singular) {
-            let mut q = *q;
-            q[added.joints..].fill(0.0);
-            let at = self.every.screws.pose(&q[..added.joints]).after(&added.tool);
-            let turn = rotation_between(at.axes, goal.axes);
-            let left = dot(turn, turn).sqrt();
-            least = least.min(left);
-            if !added.counts || left <= self.request.tolerance().orientation {
-                set.add_with(&q, singular, 0);
-            }
-        }
-        if let Some(of) = rows.left.get_mut(i) {
-            *of = least;
-        }
-        set.none &= set.count == given.count;
     }
 
     /// What the tolerances leave to the pose of the last joint's frame.
@@ -334,21 +271,25 @@ impl<'a> AnyArm<'a> {
             let value = values.row(rows.first + i);
             (every.order[*joint], if value.is_finite() { value } else { 0.0 })
         });
+        let mut limits = [&Limit::FREE; 6];
+        let mut variables = [0; 6];
+        for (k, joint) in free.into_iter().take(joints).enumerate() {
+            (limits[k], variables[k]) = (&every.limits[joint], every.order[joint]);
+        }
         let (mut any, mut reached) = (false, 0);
-        for b in 0..count {
-            let q = &mut rows.q[(i * count + b) * dof..][..dof];
+        let all = &mut rows.q[i * count * dof..][..count * dof];
+        for (b, q) in all.chunks_exact_mut(dof).enumerate() {
             if let Some((variable, value)) = lock {
                 q[variable] = value;
             }
             let exists = !bad && b < set.count;
-            let mut inside = exists;
-            for (k, joint) in free.into_iter().take(joints).enumerate() {
-                let limit = &every.limits[joint];
-                let x = if exists { set.q[b][k] } else { near[k] };
-                let (x, within) = representative(limit, x, near[k]);
-                q[every.order[joint]] = x;
-                inside &= within;
+            // The place of a branch that does not exist holds what it would be near.
+            let (values, within) =
+                representatives(&limits, if exists { &set.q[b] } else { near }, near);
+            for (variable, x) in variables.iter().zip(&values[..joints]) {
+                q[*variable] = *x;
             }
+            let inside = exists && within;
             rows.reached[i * count + b] = exists;
             rows.valid[i * count + b] = inside;
             rows.singular[i * count + b] = if exists { set.singular[b] } else { 0 };
@@ -384,6 +325,27 @@ impl<'a> AnyArm<'a> {
         rows.warnings[i] = warnings;
         rows.free[i] = free_joint.map_or(-1, |k| every.order[free[k]] as i8);
     }
+}
+
+/// [`representative`] of each joint of a posture; whether all are within their limits.
+#[inline]
+fn representatives(limits: &[&Limit; 6], q: &[f64; 6], centre: &[f64; 6]) -> ([f64; 6], bool) {
+    let mut out = [0.0; 6];
+    let mut within = true;
+    // Mostly the nearest ones are, and then there is no more to do.
+    for k in 0..6 {
+        out[k] = q[k] + TAU * whole((centre[k] - q[k]) * (1.0 / TAU));
+        within &= limits[k].lower <= out[k] && out[k] <= limits[k].upper;
+    }
+    if !within {
+        within = true;
+        for k in 0..6 {
+            let inside;
+            (out[k], inside) = representative(limits[k], q[k], centre[k]);
+            within &= inside;
+        }
+    }
+    (out, within)
 }
 
 /// A joint value less whole turns: within the limits if any is, and then the nearest to a centre

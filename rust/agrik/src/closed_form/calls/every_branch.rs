@@ -3,8 +3,9 @@
 
 use std::f64::consts::TAU;
 
+use super::added::Added;
 use super::all_branches::all;
-use super::any_arm::{Added, AnyArm};
+use super::any_arm::AnyArm;
 use super::arm_angle::ArmAngle;
 use super::branches::Branches;
 use super::locked::{Lock, Values, all_locked};
@@ -97,8 +98,8 @@ fn at_values(
                     let variable = every.order[joint];
                     let limit = every.limits[joint];
                     let of = |row| {
-                        let at = request.start(row).map_or(limit.middle, |q0| q0[variable]);
-                        at.clamp(limit.lower, limit.upper)
+                        let start = request.start(row);
+                        start.map_or(limit.middle, |q0| limit.reference(q0[variable]))
                     };
                     values = (0..request.len()).map(of).collect();
                     Some((joint, Values::Each(&values)))
@@ -193,12 +194,49 @@ fn with_few_joints(
         return Err(Error::argument("task", "position, axis or pose", "a masked task"));
     }
     let Ok(every) = Every::of(chain) else { return unsupported(request) };
+    if request.task() == Task::Position && every.joints() > 3 {
+        return with_spare_joints(request, every, threads, poll);
+    }
     match Added::new(request, every) {
         Ok(added) => {
             AnyArm { request: *request, every, lock: None, added: Some(added) }.solve(threads, poll)
         }
         Err(_) => unsupported(request),
     }
+}
+
+/// A point for more than three joints: those that move it best are free, the others stay where
+/// the start values have them (else in the middle of their limits). Each of these turns freely.
+fn with_spare_joints(
+    request: &Request<'_>,
+    every: &Every,
+    threads: usize,
+    poll: &mut dyn FnMut() -> bool,
+) -> Result<Branches> {
+    let spare: Vec<usize> = (0..every.joints()).filter(|k| !every.movers.contains(k)).collect();
+    let value = |k: usize, row: usize| {
+        let limit = &every.limits[k];
+        let q0 = request.start(row).map_or(limit.middle, |q0| q0[every.order[k]]);
+        q0.clamp(limit.lower, limit.upper)
+    };
+    let column = |k: &usize| (0..request.len()).map(|row| value(*k, row)).collect();
+    let values: Vec<Vec<f64>> = spare.iter().map(column).collect();
+    let mut locks = Vec::with_capacity(spare.len());
+    for (k, all) in spare.iter().zip(&values) {
+        locks.push(Lock { variable: every.order[*k], values: Values::Each(all) });
+    }
+    let mut found = with_few_joints(request, &locks, threads, poll)?;
+    let rows = request.len();
+    found.warnings.resize(rows, 0);
+    found.free.resize(rows, -1);
+    for row in 0..rows {
+        if found.status[row] == Status::Converged as u8 {
+            found.status[row] = Status::SingularFamily as u8;
+            found.warnings[row] |= super::warning::SINGULAR_FAMILY;
+            found.free[row] = every.order[spare[0]] as i8;
+        }
+    }
+    Ok(found)
 }
 
 /// Why all branches of an arm cannot be found, where they cannot.
@@ -209,6 +247,7 @@ pub fn reason(request: &Request<'_>) -> Option<String> {
     };
     match every.joints() {
         6 | 7 if request.task().fixes_pose() => None,
+        4.. if request.task() == Task::Position => None,
         _ => Added::new(request, every).err(),
     }
 }

@@ -95,6 +95,18 @@ impl Family {
                 branches: 16,
                 locked: None,
             },
+            4 => {
+                let spare = (0..4).find(|k| !every.movers.contains(k)).map(|k| every.order[k]);
+                let name = spare.map_or("", |variable| &chain.variables()[variable].name);
+                Self {
+                    name: format!("4R, 3R when '{name}' is locked"),
+                    method: CLOSED,
+                    reason: "four joints that turn: a point, with a self-motion of one dimension"
+                        .to_owned(),
+                    branches: 4,
+                    locked: spare,
+                }
+            }
             3 => Self {
                 name: "3R".to_owned(),
                 method: CLOSED,

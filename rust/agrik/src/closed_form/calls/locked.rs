@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Vector3};
 
+use super::added::Added;
 use super::all_branches::all;
-use super::any_arm::{Added, AnyArm};
+use super::any_arm::AnyArm;
 use super::arm_angle::{ArmAngle, form_of};
 use super::branches::Branches;
 use super::query::Query;

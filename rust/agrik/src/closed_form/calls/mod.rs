@@ -1,6 +1,7 @@
 //! What can be asked of a closed form: all branches, or the best one, of many targets or one.
 
 mod accepted_branch;
+mod added;
 pub mod all_branches;
 pub mod any_arm;
 pub mod arm_angle;

@@ -36,7 +36,10 @@ pub(super) fn wrapped(request: &Request<'_>, locks: &[Lock<'_>], found: Branches
     warnings.resize(rows, 0);
     let mut all: Vec<Vec<One>> = Vec::with_capacity(rows);
     for row in 0..rows {
-        let centre = request.start(row).unwrap_or(&middle);
+        let centre = match request.start(row) {
+            Some(q0) => q0.iter().zip(variables).map(|(x, v)| v.reference(*x)).collect(),
+            None => middle.clone(),
+        };
         let mut list = Vec::new();
         for b in (row * count..(row + 1) * count).filter(|b| found.valid[*b]) {
             let q = &found.q[b * dof..(b + 1) * dof];
@@ -61,7 +64,7 @@ pub(super) fn wrapped(request: &Request<'_>, locks: &[Lock<'_>], found: Branches
                 }
                 some = next;
             }
-            list.extend(some.into_iter().map(|q| One { from: b, far: apart(&q, centre), q }));
+            list.extend(some.into_iter().map(|q| One { from: b, far: apart(&q, &centre), q }));
         }
         list.sort_by(|a, b| a.far.total_cmp(&b.far).then(a.from.cmp(&b.from)));
         if list.len() > MOST {

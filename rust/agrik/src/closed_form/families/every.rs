@@ -1,5 +1,6 @@
 //! What a chain of joints that turn is, joint by joint: for all its branches.
 
+use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
 
 use super::six::{Six, Way};
@@ -8,6 +9,8 @@ use crate::closed_form::geometry::limit::Limit;
 use crate::closed_form::geometry::rigid::Rigid;
 use crate::closed_form::geometry::screws::{Screw, Screws};
 use crate::kinematics::{Workspace, forward};
+use crate::lanes::{V3, cross, dot, sub};
+use crate::random::Sequence;
 
 /// A chain all of whose joints turn, each by an entry of `q` of its own.
 #[derive(Debug)]
@@ -24,7 +27,12 @@ pub struct Every {
     closed: OnceLock<Option<Six>>,
     /// Of seven joints: the arm with a joint locked at 0 or in the middle of its limits.
     locked: Vec<OnceLock<Result<Six, String>>>,
+    /// The three joints that move the tool point best, along the chain.
+    pub movers: [usize; 3],
 }
+
+/// Random postures that tell which joints move the tool point best.
+const TRIALS: usize = 16;
 
 impl Every {
     /// What a chain is, or why it cannot be told; found once for each chain.
@@ -50,7 +58,9 @@ impl Every {
         let joints = joints.map(|axis| Screw { axis: axis.direction, point: axis.origin });
         let tool = Rigid { axes: workspace.joint_axes(), shift: workspace.tool_point([0.0; 3]) };
         let order: Vec<usize> = compiled.links.iter().map(|link| link.variable).collect();
+        let movers = movers(chain);
         Ok(Self {
+            movers,
             screws: Screws { joints: joints.collect(), tool },
             limits: order.iter().map(|i| Limit::of(&variables[*i])).collect(),
             locked: order.iter().map(|_| OnceLock::new()).collect(),
@@ -105,4 +115,37 @@ impl Every {
         };
         if slow { 2 } else { last }
     }
+}
+
+/// The three joints whose turns span the largest volume of the tool point's ways, summed over
+/// random postures; the first of several.
+fn movers(chain: &Chain) -> [usize; 3] {
+    let compiled = chain.compiled();
+    let count = compiled.links.len();
+    let mut random = Sequence::new(5);
+    let mut workspace = Workspace::<f64>::new(compiled);
+    let mut ways = Vec::with_capacity(TRIALS);
+    for _ in 0..TRIALS {
+        let q: Vec<f64> = (0..compiled.dof).map(|_| TAU * random.uniform() - PI).collect();
+        forward(compiled, &q, &mut workspace);
+        let tool = workspace.tool_point(compiled.tail.translation);
+        let axes = workspace.axes.iter();
+        ways.push(
+            axes.map(|axis| cross(axis.direction, sub(tool, axis.origin))).collect::<Vec<_>>(),
+        );
+    }
+    let mut best = ([0, 1, 2], 0.0);
+    for a in 0..count {
+        for b in a + 1..count {
+            for c in b + 1..count {
+                let volume = |way: &Vec<V3<f64>>| dot(way[a], cross(way[b], way[c])).abs();
+                let all: f64 = ways.iter().map(volume).sum();
+                // Rounding does not decide.
+                if all > best.1 * (1.0 + 1e-9) {
+                    best = ([a, b, c], all);
+                }
+            }
+        }
+    }
+    best.0
 }

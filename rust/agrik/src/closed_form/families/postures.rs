@@ -70,10 +70,12 @@ impl Set {
         &self.q[..self.count]
     }
 
-    /// Takes a posture in that no other one is, with its singularities and free joints.
-    pub fn put(&mut self, q: &[f64; 6], singular: u8, free: u8) {
+    /// Takes a posture in that no other one is, in (-pi, pi], with its singularities and free
+    /// joints.
+    #[inline(always)]
+    fn put(&mut self, q: &[f64; 6], singular: u8, free: u8) {
         if self.count < MOST {
-            self.q[self.count] = q.map(turned);
+            self.q[self.count] = *q;
             self.singular[self.count] = singular;
             self.free |= free;
             self.count += 1;
@@ -113,14 +115,28 @@ impl Set {
 
     /// In an order that does not depend on the way they were found.
     pub fn sort(&mut self) {
-        let all = &mut self.q[..self.count];
-        // Few, and mostly in order: insertion.
-        for i in 1..all.len() {
+        let mut order = [0_u8; MOST];
+        let all = self.postures();
+        // Few, and mostly in order: insertion, of places rather than of postures.
+        let mut moved = false;
+        for i in 0..all.len() {
             let mut k = i;
-            while k > 0 && before(&all[k], &all[k - 1]) {
-                all.swap(k, k - 1);
-                self.singular.swap(k, k - 1);
+            while k > 0 && before(&all[i], &all[usize::from(order[k - 1])]) {
+                order[k] = order[k - 1];
                 k -= 1;
+                moved = true;
+            }
+            order[k] = i as u8;
+        }
+        if moved {
+            for to in 0..self.count {
+                let mut from = usize::from(order[to]);
+                // What stood there has been moved to where its place was taken from.
+                while from < to {
+                    from = usize::from(order[from]);
+                }
+                self.q.swap(to, from);
+                self.singular.swap(to, from);
             }
         }
     }
@@ -151,6 +167,13 @@ pub fn turned(x: f64) -> f64 {
     if y <= -PI { y + TAU } else { y }
 }
 
+/// The same in each lane.
+#[inline(always)]
+fn turned_each<R: Real>(x: R) -> R {
+    let y = x - R::splat(TAU) * (x * R::splat(1.0 / TAU)).round();
+    R::select(y.le(R::splat(-PI)), y + R::splat(TAU), y)
+}
+
 /// Candidates of goals in the lanes, as they come out of a closed form.
 pub struct Candidates<R> {
     pub q: [R; 6],
@@ -178,21 +201,25 @@ impl<R: Real> Candidates<R> {
         }
         let near = near & R::bits(left.le(R::splat(NEAR * NEAR)));
         let one = sets.len() == 1;
+        for x in &mut q {
+            *x = turned_each(*x);
+        }
+        let special = self.singular.iter().fold(0, |all, lanes| all | lanes);
+        let open = self.open[0].0 | self.open[1].0;
         for lane in 0..lanes {
             let set = &mut sets[if one { 0 } else { lane }];
-            for (lanes, bit) in self.open {
-                set.open |= if lanes >> lane & 1 != 0 { bit } else { 0 };
+            let (mut flags, mut free) = (0, 0);
+            if (special | open) >> lane & 1 != 0 {
+                for (k, lanes) in self.singular.iter().enumerate() {
+                    flags |= ((lanes >> lane & 1) as u8) << k;
+                }
+                for (lanes, bit) in self.open {
+                    free |= if lanes >> lane & 1 != 0 { bit } else { 0 };
+                }
+                set.open |= free;
             }
             if near >> lane & 1 == 0 {
                 continue;
-            }
-            let mut flags = 0;
-            for (k, lanes) in self.singular.iter().enumerate() {
-                flags |= ((lanes >> lane & 1) as u8) << k;
-            }
-            let mut open = 0;
-            for (lanes, bit) in self.open {
-                open |= if lanes >> lane & 1 != 0 { bit } else { 0 };
             }
             let mut posture = [0.0; 6];
             for (x, from) in posture.iter_mut().zip(&q) {
@@ -200,9 +227,9 @@ impl<R: Real> Candidates<R> {
             }
             // Whether steps were needed is the goal's own matter, not that of its neighbours.
             if rough >> lane & 1 != 0 {
-                set.add_with(&posture, flags, open);
+                set.add_with(&posture, flags, free);
             } else {
-                set.put(&posture, flags, open);
+                set.put(&posture, flags, free);
             }
         }
     }

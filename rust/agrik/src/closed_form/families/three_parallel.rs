@@ -12,9 +12,10 @@ use crate::closed_form::geometry::range::Range;
 use crate::closed_form::geometry::rigid::{Rigid, turn_about, turned_about};
 use crate::closed_form::geometry::screws::{EXACT, Screws};
 use crate::closed_form::geometry::serial::Serial;
-use crate::closed_form::geometry::turn::{Root, Side, Turn, linear, unit_turn};
+use crate::closed_form::geometry::turn::{Root, Side, linear, unit_turn};
 use crate::lanes::{
-    Kernel, Lanes, Level, Real, V3, atan2_each, axpy, cross, dispatch, dot, norm, splat3, sub,
+    Kernel, Lanes, Level, Real, V3, atan2, atan2_each, axpy, cross, dispatch, dot, norm, splat3,
+    sub,
 };
 
 /// Lengths (arm lengths) below which an equation leaves its angle open.
@@ -178,7 +179,8 @@ impl ThreeParallel {
         let shift = turned_about(axis, back, sub(all.shift, first));
         let shift = [shift[0] + first[0], shift[1] + first[1], shift[2] + first[2]];
         let open = R::bits(a.mul_add(a, b * b).lt(R::splat(OPEN * OPEN)));
-        Shoulder { one, rest: Rigid { axes, shift }, open }
+        let q1 = atan2(one.turn.0, one.turn.1);
+        Shoulder { one, q1, rest: Rigid { axes, shift }, open }
     }
 
     /// What the fifth and the sixth joint leave to the planar arm, on a side.
@@ -210,13 +212,9 @@ impl ThreeParallel {
         let at = turned_about(axis6, back6, turned_about(axis5, back5, at));
         let at = [at[0] + meeting[0], at[1] + meeting[1], at[2] + meeting[2]];
         let d = sub(rest.apply(at), splat3(self.second));
-        Wrist {
-            five,
-            six,
-            sum: (dot(n, cross(across, v)), dot(across, v)),
-            way: axpy(n, -dot(n, d), d),
-            open,
-        }
+        let sum = (dot(n, cross(across, v)), dot(across, v));
+        let angles = atan2_each([sum.0, five.turn.0, six.0], [sum.1, five.turn.1, six.1]);
+        Wrist { five, angles, way: axpy(n, -dot(n, d), d), open }
     }
 
     /// A posture, by the planar arm's side.
@@ -240,10 +238,8 @@ impl ThreeParallel {
         let (y, x) = (dot(n, cross(reach, d)), dot(reach, d));
         let two = unit_turn(y, x, OPEN * OPEN, near[1].sin_cos());
         let (one, five) = (&shoulder.one, &wrist.five);
-        let [q1, q2, q3, sum, q5, q6] = atan2_each(
-            [one.turn.0, two.0, three.turn.0, wrist.sum.0, five.turn.0, wrist.six.0],
-            [one.turn.1, two.1, three.turn.1, wrist.sum.1, five.turn.1, wrist.six.1],
-        );
+        let [q2, q3] = atan2_each([two.0, three.turn.0], [two.1, three.turn.1]);
+        let (q1, [sum, q5, q6]) = (shoulder.q1, wrist.angles);
         let (s3, s4) = (R::splat(self.signs[0]), R::splat(self.signs[1]));
         let q4 = s4 * (sum - q2 - s3 * q3);
         Candidates {
@@ -258,6 +254,8 @@ impl ThreeParallel {
 /// The first joint, and the goal as the others see it.
 struct Shoulder<R> {
     one: Root<R>,
+    /// Its angle, rad.
+    q1: R,
     rest: Rigid<R>,
     /// Lanes in which the joint is free.
     open: Lanes,
@@ -266,8 +264,8 @@ struct Shoulder<R> {
 /// The last two joints, and what is left to the planar arm: a turn, and a way to axis 4.
 struct Wrist<R> {
     five: Root<R>,
-    six: Turn<R>,
-    sum: (R, R),
+    /// Of the three parallel joints together, of the fifth and of the sixth, rad.
+    angles: [R; 3],
     way: V3<R>,
     /// Lanes in which joint 6 is free.
     open: Lanes,

@@ -1,6 +1,6 @@
 //! Limits of a joint.
 
-use crate::chain::Variable;
+use crate::chain::{Variable, reference};
 
 /// A joint value this far past a limit is rounding, and is put on the limit, rad.
 pub const SLACK: f64 = 1e-10;
@@ -27,6 +27,12 @@ impl Limit {
         let middle = if bounded { 0.5 * (v.lower + v.upper) } else { 0.0 };
         let half = if bounded { 0.5 * (v.upper - v.lower) } else { f64::INFINITY };
         Self { lower: v.lower, upper: v.upper, middle, half }
+    }
+
+    /// The value that answers stay near, for the caller's `about`.
+    #[inline(always)]
+    pub fn reference(&self, about: f64) -> f64 {
+        reference(about, (self.lower, self.upper), self.half >= std::f64::consts::PI)
     }
 
     /// Shares of half the range in a radian; none where there are no limits.

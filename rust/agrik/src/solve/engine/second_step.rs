@@ -10,26 +10,31 @@ use smallvec::smallvec;
 
 use super::Engine;
 use super::runs::Runs;
-use crate::call::{Merit, Outcome, Second, Status};
+use crate::call::{Merit, Outcome, Status};
 use crate::kinematics::{PerJoint, columns};
 use crate::lanes::{Real, V3, cross, dot, scale};
 use crate::solve::linear::solve_spd_for;
 use crate::solve::step::{dot as dot_of_six, pulled};
 use crate::task::{Rows, TaskError};
 
-/// Most steps of a target: of a measure, and off limits.
-const STEPS: u32 = 60;
-const FEW: u32 = 12;
+/// Most steps of a target.
+pub(super) const STEPS: u32 = 40;
 /// Longest change of a joint along the measure in one step, and the one of a first step whose
 /// length nothing tells, rad or sizes of the robot.
 const LONGEST: f64 = 0.3;
 const FIRST: f64 = 0.1;
 /// The longest towards manipulability, whose slope turns within tenths of a radian.
 const CAREFUL: f64 = 0.1;
-/// Steps at the end that are left to the target alone.
-const LAST: u32 = 12;
+/// Steps at the end that are left to the target alone; before them steps along the measure get
+/// shorter and shorter, so that none that go to and fro spoil the end.
+const LAST: u32 = 8;
+const SHORTER: u32 = 12;
 /// A step along the measure below this is none.
-const SETTLED: f64 = 1e-7;
+const SETTLED: f64 = 2e-5;
+/// A joint this near to a limit stands at it, rad or m, and one that the way back to the target
+/// would push outward by this is held as well.
+const AT: f64 = 1e-6;
+const PUSHED: f64 = 1e-4;
 /// Times that joints are held in one step.
 const HOLDS: usize = 3;
 /// Part of the trace that keeps `J J^T` from being singular.
@@ -44,15 +49,14 @@ pub(super) struct Memory<R> {
     before_q: PerJoint<R>,
     about: PerJoint<R>,
     columns: PerJoint<(usize, V3<R>, V3<R>)>,
-    /// Steps so far.
+    /// Steps so far, and the length of the last.
     stepped: R,
+    length: R,
+    /// Which joints are held, and were in the step before: a bit each, as a number.
+    held: R,
+    held_before: R,
     /// Lanes at which there is nothing more to do.
     pub settled: u32,
-}
-
-/// Most steps of a target.
-pub(super) fn most_steps(second: &Second) -> u32 {
-    if second.measure == Merit::OffLimits { FEW } else { STEPS }
 }
 
 impl<R: Real> Memory<R> {
@@ -65,6 +69,9 @@ impl<R: Real> Memory<R> {
             about: zeros(),
             columns: PerJoint::new(),
             stepped: R::zero(),
+            length: R::zero(),
+            held: R::zero(),
+            held_before: R::zero(),
             settled: 0,
         }
     }
@@ -106,6 +113,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             }
         }
         let lengths = &self.setup.lengths;
+        self.second.held = R::zero();
         for _ in 0..HOLDS {
             let ways = (&mut self.second.along[..], &mut self.change[..]);
             pulled::apart(&self.columns, &error.rows, &self.pull, lengths, ways);
@@ -127,66 +135,78 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             longest = longest.max(way.abs());
             (*before, *q_before) = (*way, *q);
         }
-        let known = R::and(R::splat(0.5).lt(memory.stepped), R::zero().lt(turned));
+        // Ways with other joints held do not tell how the slope changes.
+        let same = memory.held.le(memory.held_before);
+        let same = R::and(same, memory.held_before.le(memory.held));
+        memory.held_before = memory.held;
+        let before = R::splat(0.5).lt(memory.stepped);
+        let comparable = R::and(before, same);
+        let known = R::and(comparable, R::zero().lt(turned));
         let secant = moved / R::select(known, turned, R::splat(1.0));
         let usual = match second.measure {
-            Merit::Near | Merit::OffLimits => R::splat(1.0),
-            _ => R::splat(FIRST) / longest,
+            Merit::Near => R::splat(1.0),
+            _ => R::select(before, memory.length, R::splat(FIRST) / longest),
         };
-        let far = if second.measure == Merit::Manipulability {
-            // Shorter and shorter, as its slope may lead to and fro.
-            let left = R::splat(1.0) - memory.stepped * R::splat(1.0 / f64::from(STEPS - LAST));
-            left.max(R::zero()) * R::splat(CAREFUL) / longest
-        } else {
-            R::splat(LONGEST) / longest
+        let (most, from) = match second.measure {
+            Merit::Manipulability => (CAREFUL, 0),
+            _ => (LONGEST, SHORTER),
         };
-        let downward = R::and(R::splat(0.5).lt(memory.stepped), turned.le(R::zero()));
-        let length = if second.measure == Merit::OffLimits {
-            usual.min(far)
-        } else {
-            let usual = R::select(downward, far, usual);
-            R::select(known, secant, usual).min(far)
-        };
+        let last = f64::from(STEPS - LAST);
+        let left = (R::splat(last) - memory.stepped) * R::splat(1.0 / (last - f64::from(from)));
+        let far = left.max(R::zero()).min(R::splat(1.0)) * R::splat(most) / longest;
+        let downward = R::and(comparable, turned.le(R::zero()));
+        let usual = R::select(downward, far, usual);
+        let length = R::select(known, secant, usual).min(far);
+        memory.length = length;
+        // No farther than to the first limit in the way: the arm stays at its target.
+        let mut least = length;
+        for (v, (q, way)) in self.limits.iter().zip(self.q.iter().zip(&memory.along)) {
+            if !v.turns {
+                let slides = self.stretches && v.slides;
+                let way = if slides { *way * per_radian } else { *way };
+                let up = R::zero().lt(way);
+                let end = R::select(up, R::splat(v.upper), R::splat(v.lower));
+                let moves = R::zero().lt(way.abs());
+                let room = ((end - *q) / R::select(moves, way, R::splat(1.0))).max(R::zero());
+                least = R::select(moves, least.min(room), least);
+            }
+        }
+        let length = least;
         let still = R::bits((length * longest).lt(R::splat(SETTLED)));
         let counted = memory.stepped + R::splat(1.0);
         memory.stepped = R::select(R::mask_from_bits(moving), counted, memory.stepped);
         for (change, way) in self.change.iter_mut().zip(&memory.along) {
             *change = length.mul_add(*way, *change);
         }
-        if second.measure == Merit::OffLimits {
-            let mut at_limit = R::mask_from_bits(0);
-            for (v, q) in self.limits.iter().zip(&self.q) {
-                if !v.turns {
-                    let (lower, upper) = (R::splat(v.lower), R::splat(v.upper));
-                    at_limit = R::or(at_limit, R::or(q.le(lower), upper.le(*q)));
-                }
-            }
-            memory.settled = memory.settled & !moving | (!R::bits(at_limit) | still) & moving;
-        } else {
-            memory.settled = memory.settled & !moving | still & moving;
-        }
+        memory.settled = memory.settled & !moving | still & moving;
         self.apply(moving, squared, per_radian);
     }
 
-    /// Holds the joints at a limit that the way along the measure would push outward; true where
-    /// there were some.
+    /// Holds the joints at a limit that the way along the measure would push outward, or the way
+    /// back to the target by much; true where there were some.
     #[inline(always)]
     fn hold_outward(&mut self) -> bool {
         let mut any = R::mask_from_bits(0);
-        let joints = self.limits.iter().zip(&self.q).zip(&self.second.along);
-        for (((v, q), way), (column, pull)) in
+        let memory = &mut self.second;
+        let ways = memory.along.iter().zip(&self.change);
+        let joints = self.limits.iter().zip(&self.q).zip(ways).enumerate();
+        for ((i, ((v, q), (way, back))), (column, pull)) in
             joints.zip(self.columns.iter_mut().zip(&mut self.pull))
         {
             if v.turns {
                 continue;
             }
-            let low = R::and(q.le(R::splat(v.lower)), way.lt(R::zero()));
-            let high = R::and(R::splat(v.upper).le(*q), R::zero().lt(*way));
+            let (none, pushed) = (R::zero(), R::splat(PUSHED));
+            let down = R::or(way.lt(none), back.lt(none - pushed));
+            let up = R::or(none.lt(*way), pushed.lt(*back));
+            let low = R::and(q.le(R::splat(v.lower + AT)), down);
+            let high = R::and(R::splat(v.upper - AT).le(*q), up);
             let held = R::or(low, high);
             if R::bits(held) == 0 {
                 continue;
             }
             any = R::or(any, held);
+            memory.held += R::select(held, R::splat((i as f64).exp2()), none);
             for x in column.iter_mut() {
                 *x = R::select(held, R::zero(), *x);
             }

@@ -12,7 +12,7 @@ const ARCS: usize = 8;
 const COUNT: usize = 2 * DEGREE + 1;
 /// Half an arc, rad.
 const HALF: f64 = PI / ARCS as f64;
-/// An interval is not parted further once it is narrower, rad.
+/// An interval is not parted further once it is narrower, rad (at the arc's centre).
 const NARROW: f64 = 1e-3;
 /// A coefficient's sign is sure above this share of the largest one, or so many times the
 /// noise of the samples.
@@ -26,7 +26,11 @@ const DEPTH: usize = 16;
 pub struct Place {
     /// Which goal.
     pub goal: u32,
-    /// Angles on both sides, rad.
+    /// Centre of the arc, rad.
+    pub centre: f64,
+    /// The root, rad, once it is known better than by its place.
+    pub angle: f64,
+    /// Tangents of half the angles from the centre on both sides.
     pub lower: f64,
     pub upper: f64,
     /// The polynomial is below zero at the lower one.
@@ -116,39 +120,38 @@ pub fn places(goal: u32, arcs: &Arcs<f64>, noise: f64, out: &mut Vec<Place>) {
     }
     let least = largest * (NOISE * noise).max(SURE);
     let half = (0.5 * HALF).tan();
+    let mut waiting = [([0.0; COUNT], 0.0, 0.0); DEPTH];
     for (arc, coefficients) in arcs.iter().enumerate() {
-        let centre = arc as f64 * (TAU / ARCS as f64);
-        let angle = |u: f64| centre + 2.0 * (half * (2.0 * u - 1.0)).atan();
-        let mut waiting = [([0.0; COUNT], 0.0, 0.0); DEPTH];
         waiting[0] = (*coefficients, 0.0, 1.0);
         let mut count = 1;
         while count > 0 {
             count -= 1;
-            let (b, begin, size) = waiting[count];
-            let seen = signs(&b, least);
+            let (b, begin, size) = &waiting[count];
+            let (begin, size) = (*begin, *size);
+            let seen = signs(b, least);
             if seen.changes == 0 && !seen.unsure {
                 continue;
             }
-            let (lower, upper) = (angle(begin), angle(begin + size));
             let place = |lower: f64, upper: f64, single: bool| Place {
                 goal,
-                lower,
-                upper,
+                centre: arc as f64 * (TAU / ARCS as f64),
+                angle: f64::NAN,
+                lower: half * (2.0 * lower - 1.0),
+                upper: half * (2.0 * upper - 1.0),
                 rising: b[0] < 0.0,
                 single,
             };
+            let at = |part: f64| place(begin + part * size, begin + part * size, false);
             if seen.changes == 1 && !seen.unsure {
-                out.push(place(lower, upper, true));
-            } else if seen.all_unsure || upper - lower < NARROW || count + 2 > DEPTH {
-                let quarter = 0.25 * (upper - lower);
-                let at = |x: f64| place(x, x, false);
+                out.push(place(begin, begin + size, true));
+            } else if seen.all_unsure || size < NARROW / (4.0 * half) || count + 2 > DEPTH {
                 if seen.all_unsure || seen.changes < 2 {
-                    out.push(at(lower + 2.0 * quarter));
+                    out.push(at(0.5));
                 } else {
-                    out.extend([at(lower + quarter), at(upper - quarter)]);
+                    out.extend([at(0.25), at(0.75)]);
                 }
             } else {
-                let (left, right) = halves(&b);
+                let (left, right) = halves(b);
                 let size = 0.5 * size;
                 waiting[count] = (right, begin + size, size);
                 waiting[count + 1] = (left, begin, size);

@@ -25,13 +25,15 @@ use crate::closed_form::geometry::enclosure::Margin;
 use crate::closed_form::geometry::rigid::Rigid;
 use crate::closed_form::geometry::screws::Screws;
 use crate::closed_form::geometry::serial::Serial;
-use crate::lanes::{Level, dispatch, norm, sub};
+use crate::lanes::{Level, cross, dispatch, dot, norm, sub};
 use crate::random::Sequence;
 
 /// Noise of the samples above which a polynomial is not trusted.
 const NOISY: f64 = 1e-9;
 /// Share of all lengths that rounding may add to them.
 const ROUNDING: f64 = 1e-9;
+/// Arm lengths and rad within which the first and the last joint meet or are parallel.
+const PAIRED: f64 = 1e-6;
 /// Poses of random postures that decide between the cuts.
 const TRIALS: usize = 128;
 
@@ -40,6 +42,7 @@ const TRIALS: usize = 128;
 pub struct Ring {
     /// The axes, in arm lengths.
     axes: Screws,
+    untool: Rigid<f64>,
     serial: Serial<6>,
     cuts: [Cut; 2],
     /// Metres in an arm length.
@@ -60,7 +63,9 @@ impl Ring {
         let scaled = screws.scaled(1.0 / length);
         let serial = Serial::<6>::new(&scaled)?;
         let cuts = [Cut::new(&scaled, true), Cut::new(&scaled, false)];
-        let mut ring = Self { axes: scaled, serial, cuts, length, usual: None, idle: false };
+        let untool = scaled.tool.inverse();
+        let (usual, idle) = (None, false);
+        let mut ring = Self { axes: scaled, untool, serial, cuts, length, usual, idle };
         match like {
             Some(like) => {
                 if like.first_is_reversed() != ring.first_is_reversed() {
@@ -157,7 +162,9 @@ impl Ring {
     ) {
         let scaled: Vec<Rigid<f64>> = goals.iter().map(|goal| self.scaled(goal)).collect();
         self.run_cut(level, 0, (&scaled, near), sets, work);
-        let again: Vec<usize> = (0..sets.len()).filter(|i| self.is_doubtful(&sets[*i])).collect();
+        let paired: Vec<bool> = scaled.iter().map(|goal| self.is_paired(goal)).collect();
+        let doubtful = |i: &usize| paired[*i] || self.is_doubtful(&sets[*i]);
+        let again: Vec<usize> = (0..sets.len()).filter(doubtful).collect();
         if !again.is_empty() {
             let chosen: Vec<Rigid<f64>> = again.iter().map(|i| scaled[*i]).collect();
             let mut second = vec![Set::new(); again.len()];
@@ -170,8 +177,8 @@ impl Ring {
                 for q in other.postures() {
                     set.add(q);
                 }
-                if set.noise > NOISY || !set.count.is_multiple_of(2) {
-                    self.rescue(level, &scaled[*i], set, work);
+                if paired[*i] || set.noise > NOISY || !set.count.is_multiple_of(2) {
+                    self.rescue(level, &scaled[*i], (set, paired[*i]), work);
                 }
             }
         }
@@ -185,9 +192,23 @@ impl Ring {
         norm(way) > (1.0 + ROUNDING) * self.axes.span() + margin
     }
 
+    /// A goal (arm lengths) makes the last and the first joint meet or parallel: the pair that the
+    /// cuts eliminate is then no generic one, and postures are lost without a sign.
+    fn is_paired(&self, goal: &Rigid<f64>) -> bool {
+        is_paired(&self.axes, &goal.after(&self.untool))
+    }
+
     /// Something says that postures may be missing.
     fn is_doubtful(&self, set: &Set) -> bool {
         let expected = self.usual.unwrap_or(set.places).max(set.roots.min(set.places));
         !set.count.is_multiple_of(2) || set.noise > NOISY || set.count < expected
     }
+}
+
+/// The same of any axes; the goal is what all joints together have to bring about.
+fn is_paired(axes: &Screws, wanted: &Rigid<f64>) -> bool {
+    let (first, last) = (axes.joints[0], axes.joints[5].moved(wanted));
+    let across = cross(first.axis, last.axis);
+    let sine = norm(across);
+    sine < PAIRED || dot(sub(last.point, first.point), across).abs() < PAIRED * sine
 }

@@ -6,19 +6,20 @@ use super::cut::Cut;
 use super::isolate::{Arcs, Place, arcs, places};
 use super::null::{Factors, angles, distance, two_products};
 use super::resultant::{ANGLES, HARMONICS, Harmonics, SAMPLES, harmonics, sample, value};
-use super::rows::{MOTION, NUMBERS, flat, from_row, gather, in_row, lane_of, motion, used};
+use super::rows::{MOTION, NUMBERS, flat, from_row, gather, in_row, lane_of, motion, spread, used};
 use crate::closed_form::families::postures::{FINE, NEAR, Set};
 use crate::closed_form::geometry::rigid::Rigid;
 use crate::closed_form::geometry::serial::Serial;
 use crate::lanes::{Kernel, Real, WIDEST, atan2_each};
 
-/// Steps of a start, and of one that is promising after them.
-const STEPS: usize = 8;
-const MORE_STEPS: usize = 20;
+/// Steps of all starts, of those that have not arrived after them, and of those that are promising
+/// even then. The many that need few do not wait for the few that need many.
+const STEPS: [usize; 3] = [2, 6, 20];
 const PROMISING: f64 = 1e-2;
-/// Steps that sharpen a root, the longest of them, and how far they may lead in all, rad.
+/// Steps that sharpen a root, the length below which there is no need, the longest of them, and
+/// how far they may lead in all, rad.
 const SHARPEN: usize = 5;
-const SHARP: f64 = 1e-11;
+const SHARP: f64 = 1e-8;
 const LONGEST: f64 = 0.02;
 const FARTHEST: f64 = 0.03;
 /// A root that moved by more is tried from where it was as well, rad.
@@ -44,6 +45,18 @@ struct Third {
     turns: [f64; 6],
 }
 
+/// A place whose root is being sharpened.
+#[derive(Clone, Copy)]
+struct Open {
+    place: u32,
+    /// The root, and how far off it was taken to be before, rad.
+    angle: f64,
+    before: f64,
+}
+
+/// What a place can lead to: where it was before it was sharpened, after it, and as two products.
+const KINDS: usize = 4;
+
 /// A start of Newton's steps.
 #[derive(Clone, Copy)]
 struct Start {
@@ -58,6 +71,9 @@ pub struct Work {
     equations: Vec<[f64; NUMBERS]>,
     harmonics: Vec<Harmonics<f64>>,
     places: Vec<Place>,
+    open: [Vec<Open>; 2],
+    /// Those that each place leads to.
+    kinds: Vec<[Option<Third>; KINDS]>,
     thirds: Vec<Third>,
     starts: Vec<Start>,
     later: Vec<Start>,
@@ -172,14 +188,18 @@ impl OneCut<'_> {
             let mut rows = [&harmonics[group[0].goal as usize]; WIDEST];
             let (mut low, mut high) = ([0.0; WIDEST], [0.0; WIDEST]);
             let (mut signs, mut single) = ([1.0; WIDEST], 0_u32);
+            let mut centres = [0.0; WIDEST];
             for (lane, place) in group.iter().enumerate() {
                 rows[lane] = &harmonics[place.goal as usize];
+                centres[lane] = place.centre;
                 (low[lane], high[lane]) = (place.lower, place.upper);
                 signs[lane] = if place.rising { 1.0 } else { -1.0 };
                 single |= u32::from(place.single) << lane;
             }
-            let h: [R; HARMONICS] = gather(&rows);
-            let (mut lower, mut upper, sign) = (R::load(&low), R::load(&high), R::load(&signs));
+            let h: [R; HARMONICS] = spread(&rows);
+            let (centre, sign) = (R::load(&centres), R::load(&signs));
+            let ends = atan2_each([R::load(&low), R::load(&high)], [R::splat(1.0); 2]);
+            let [mut lower, mut upper] = ends.map(|end| centre + (end + end));
             let half = R::splat(0.5);
             let mut at = half * (lower + upper);
             let mut active = single;
@@ -201,7 +221,7 @@ impl OneCut<'_> {
                 active &= R::bits(R::splat(REFINED).lt(step));
             }
             for (lane, place) in group.iter_mut().enumerate() {
-                (place.lower, place.upper) = (at.lane(lane), at.lane(lane));
+                place.angle = at.lane(lane);
             }
         }
     }
@@ -209,73 +229,93 @@ impl OneCut<'_> {
     /// The two other angles, from the null vectors at the roots.
     #[inline(always)]
     fn null_vectors<R: Real>(&mut self) {
-        let Work { equations, places, thirds, .. } = &mut *self.work;
-        for group in places.chunks(R::WIDTH) {
-            let mut rows = [&equations[group[0].goal as usize]; WIDEST];
-            let mut roots = [group[0].lower; WIDEST];
-            for (lane, place) in group.iter().enumerate() {
-                rows[lane] = &equations[place.goal as usize];
-                roots[lane] = place.lower;
-            }
-            let k = from_row(&gather::<R, NUMBERS>(&rows));
-            let used = used(group.len());
-            let given = R::load(&roots);
-            let mut angle = given;
-            let mut active = used;
-            let mut turn;
-            let mut v;
-            // What is taken: turn, null vector and the lanes that have them.
-            let mut found = [((R::zero(), R::zero()), [R::zero(); 12], 0_u32); 4];
-            let mut round = 0;
-            let mut before = R::splat(f64::INFINITY);
-            loop {
-                turn = angle.sin_cos();
+        let Work { equations, places, open, kinds, thirds, .. } = &mut *self.work;
+        let [now, next] = open;
+        now.clear();
+        let all = places.iter().enumerate();
+        let first = |(i, place): (usize, &Place)| Open {
+            place: i as u32,
+            angle: place.angle,
+            before: f64::INFINITY,
+        };
+        now.extend(all.map(first));
+        kinds.clear();
+        kinds.resize(places.len(), [None; KINDS]);
+        for round in 0..=SHARPEN {
+            next.clear();
+            for group in now.chunks(R::WIDTH) {
+                let of = |one: &Open| &places[one.place as usize];
+                let mut rows = [&equations[of(&group[0]).goal as usize]; WIDEST];
+                let (mut roots, mut last) = ([group[0].angle; WIDEST], [0.0; WIDEST]);
+                let mut given = roots;
+                for (lane, one) in group.iter().enumerate() {
+                    rows[lane] = &equations[of(one).goal as usize];
+                    (roots[lane], last[lane]) = (one.angle, one.before);
+                    given[lane] = of(one).angle;
+                }
+                let k = from_row(&spread::<R, NUMBERS>(&rows));
+                let used = used(group.len());
+                let (angle, given, before) = (R::load(&roots), R::load(&given), R::load(&last));
+                let turn = angle.sin_cos();
                 let factors = Factors::new(&k, turn);
                 let first = factors.next(None, ROUNDS);
-                v = first.right;
-                if round == 0 {
-                    found[0] = (turn, v, 0);
-                }
-                let off = distance(&factors, &k, turn, &v);
+                let off = distance(&factors, &k, turn, &first.right);
                 // At a double root without end, and no use.
                 let nearer = off.abs().lt(R::splat(0.3) * before);
-                active &= R::bits(R::and(R::splat(SHARP).lt(off.abs()), nearer));
-                before = off.abs();
-                if active != 0 && round < SHARPEN {
-                    round += 1;
-                    let off = off.max(R::splat(-LONGEST)).min(R::splat(LONGEST));
-                    let far = R::splat(FARTHEST);
-                    let next = (angle - off).max(given - far).min(given + far);
-                    angle = R::select(R::mask_from_bits(active), next, angle);
-                    continue;
+                let blunt = R::splat(SHARP).lt(off.abs());
+                let mut active = R::bits(R::and(blunt, nearer)) & used;
+                if round == SHARPEN {
+                    active = 0;
                 }
-                found[1] = (turn, v, used);
-                found[0].2 = R::bits(R::splat(MOVED).lt((angle - given).abs())) & used;
-                let second = factors.next(Some(&first), ROUNDS);
-                let double = R::bits(second.size.lt(R::splat(DOUBLE))) & used;
-                if double != 0 {
-                    let [one, two] = two_products(&v, &second.right);
-                    found[2] = (turn, one, double);
-                    found[3] = (turn, two, double);
+                // What is taken: null vector and the lanes that have it.
+                let mut found = [(first.right, 0_u32); KINDS];
+                found[0].1 = if round == 0 { used } else { 0 };
+                let done = used & !active;
+                found[1].1 = done;
+                if done != 0 {
+                    let second = factors.next(Some(&first), ROUNDS);
+                    let double = R::bits(second.size.lt(R::splat(DOUBLE))) & done;
+                    if double != 0 {
+                        let [one, two] = two_products(&first.right, &second.right);
+                        (found[2], found[3]) = ((one, double), (two, double));
+                    }
                 }
-                break;
-            }
-            // Place by place, so that the order does not depend on what shares the lanes.
-            let mut all = [[R::zero(); 6]; 4];
-            for (to, (turn, v, lanes)) in all.iter_mut().zip(&found) {
-                if *lanes != 0 {
+                for (kind, (v, lanes)) in found.iter().enumerate() {
+                    if *lanes == 0 {
+                        continue;
+                    }
                     let [x, y] = angles(v);
-                    *to = [turn.0, turn.1, x.0, x.1, y.0, y.1];
+                    let turns = [turn.0, turn.1, x.0, x.1, y.0, y.1];
+                    for (lane, one) in group.iter().enumerate() {
+                        if lanes >> lane & 1 != 0 {
+                            let goal = of(one).goal;
+                            kinds[one.place as usize][kind] =
+                                Some(Third { goal, turns: lane_of(&turns, lane) });
+                        }
+                    }
                 }
-            }
-            for (lane, place) in group.iter().enumerate() {
-                for (turns, (_, _, lanes)) in all.iter().zip(&found) {
-                    if lanes >> lane & 1 != 0 {
-                        thirds.push(Third { goal: place.goal, turns: lane_of(turns, lane) });
+                let moved = R::bits(R::splat(MOVED).lt((angle - given).abs()));
+                let size = off.abs();
+                let off = off.max(R::splat(-LONGEST)).min(R::splat(LONGEST));
+                let far = R::splat(FARTHEST);
+                let onward = (angle - off).max(given - far).min(given + far);
+                for (lane, one) in group.iter().enumerate() {
+                    if active >> lane & 1 != 0 {
+                        let (angle, before) = (onward.lane(lane), size.lane(lane));
+                        next.push(Open { place: one.place, angle, before });
+                    } else if moved >> lane & 1 == 0 {
+                        // It is where it was: the one before is no other.
+                        kinds[one.place as usize][0] = None;
                     }
                 }
             }
+            std::mem::swap(now, next);
+            if now.is_empty() {
+                break;
+            }
         }
+        // Place by place, so that the order does not depend on what shares the lanes.
+        thirds.extend(kinds.iter().flatten().flatten());
     }
 
     /// All six angles.
@@ -289,7 +329,7 @@ impl OneCut<'_> {
                 rows[lane] = &goals[third.goal as usize];
                 turns[lane] = &third.turns;
             }
-            let goal = motion(&gather::<R, MOTION>(&rows));
+            let goal = motion(&spread::<R, MOTION>(&rows));
             let wanted = self.cut.wanted(&goal);
             let far = self.cut.far(&wanted);
             let t: [R; 6] = gather(&turns);
@@ -321,9 +361,10 @@ impl OneCut<'_> {
     fn polish<R: Real>(&mut self) {
         let (serial, sets) = (self.serial, &mut *self.sets);
         let Work { goals, starts, later, .. } = &mut *self.work;
-        for last in [false, true] {
-            let steps = if last { MORE_STEPS } else { STEPS };
-            let list = if last { std::mem::take(later) } else { std::mem::take(starts) };
+        for (stage, steps) in STEPS.into_iter().enumerate() {
+            let last = stage + 1 == STEPS.len();
+            let list = std::mem::take(starts);
+            later.clear();
             for group in list.chunks(R::WIDTH) {
                 let mut rows = [&goals[group[0].goal as usize]; WIDEST];
                 let mut from = [&group[0].q; WIDEST];
@@ -331,7 +372,7 @@ impl OneCut<'_> {
                     rows[lane] = &goals[start.goal as usize];
                     from[lane] = &start.q;
                 }
-                let goal = motion(&gather::<R, MOTION>(&rows));
+                let goal = motion(&spread::<R, MOTION>(&rows));
                 let found = serial.approach(gather(&from), &goal, steps, FINE);
                 for (lane, start) in group.iter().enumerate() {
                     let left = found.left.lane(lane);
@@ -339,16 +380,12 @@ impl OneCut<'_> {
                     let enough = if last { NEAR } else { 100.0 * FINE };
                     if left <= enough * enough {
                         sets[start.goal as usize].add(&q);
-                    } else if !last && left < PROMISING * PROMISING {
+                    } else if stage == 0 || !last && left < PROMISING * PROMISING {
                         later.push(Start { goal: start.goal, q });
                     }
                 }
             }
-            if last {
-                *later = list;
-            } else {
-                *starts = list;
-            }
+            *starts = std::mem::replace(later, list);
         }
     }
 }

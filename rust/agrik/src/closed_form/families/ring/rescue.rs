@@ -1,6 +1,6 @@
 //! Goals at which the polynomial is of no use, or which lack one of a pair of postures.
 
-use super::{NOISY, Ring, Work};
+use super::{NOISY, Ring, Work, is_paired};
 use crate::closed_form::families::postures::{FINE, NEAR, Set};
 use crate::closed_form::geometry::rigid::{Rigid, turn_about};
 use crate::closed_form::geometry::screws::Screws;
@@ -24,10 +24,16 @@ const GENERAL: u8 = 8;
 const TWINS: [f64; 6] = [1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3];
 
 impl Ring {
-    /// Looks for more postures of a goal in arm lengths.
-    pub(super) fn rescue(&self, level: Level, goal: &Rigid<f64>, set: &mut Set, work: &mut Work) {
+    /// Looks for more postures of a goal in arm lengths; `paired` as [`Ring::is_paired`] has it.
+    pub(super) fn rescue(
+        &self,
+        level: Level,
+        goal: &Rigid<f64>,
+        (set, paired): (&mut Set, bool),
+        work: &mut Work,
+    ) {
         let special = set.noise > NOISY;
-        if special || !set.count.is_multiple_of(2) {
+        if special || paired || !set.count.is_multiple_of(2) {
             self.elsewhere(level, goal, set, work);
         }
         if set.noise > NOISY {
@@ -68,14 +74,18 @@ impl Ring {
     /// A goal that makes first and last joint meet or parallel is no special one for the ring read
     /// from another joint on: that is an arm of its own for each goal.
     fn elsewhere(&self, level: Level, goal: &Rigid<f64>, set: &mut Set, work: &mut Work) {
-        let tool = &self.axes.tool;
-        let wanted = goal.after(&tool.inverse());
+        let wanted = goal.after(&self.untool);
         let back = wanted.inverse();
-        for first in 1..6 {
+        let ring = |first: usize| {
             let (ahead, behind) = self.axes.joints.split_at(first);
             let behind = behind.iter().copied();
             let joints = behind.chain(ahead.iter().map(|one| one.moved(&back))).collect();
-            let turned = Screws { joints, tool: Rigid::identity() };
+            (first, Screws { joints, tool: Rigid::identity() })
+        };
+        // Neighbours mostly meet or are parallel: the others first.
+        let (paired, generic): (Vec<_>, Vec<_>) =
+            (1..6).map(ring).partition(|(_, turned)| is_paired(turned, &wanted));
+        for (first, turned) in generic.into_iter().chain(paired) {
             let Some(other) = Ring::new(&turned, Some(self)) else { continue };
             let seen = other.scaled(&wanted);
             for cut in 0..2 {

@@ -30,6 +30,27 @@ pub fn gather<R: Real, const N: usize>(rows: &[&[f64; N]; WIDEST]) -> [R; N] {
     out
 }
 
+/// The same of rows of which many lanes share one: a number is read once for all of them.
+#[inline(always)]
+pub fn spread<R: Real, const N: usize>(rows: &[&[f64; N]; WIDEST]) -> [R; N] {
+    let mut out = rows[0].map(R::splat);
+    let mut open = used(R::WIDTH);
+    let lanes_of = |row: &[f64; N]| {
+        (0..R::WIDTH).fold(0, |all, lane| all | u32::from(std::ptr::eq(rows[lane], row)) << lane)
+    };
+    open &= !lanes_of(rows[0]);
+    while open != 0 {
+        let row = rows[open.trailing_zeros() as usize];
+        let lanes = lanes_of(row);
+        let mask = R::mask_from_bits(lanes);
+        for (x, from) in out.iter_mut().zip(row) {
+            *x = R::select(mask, R::splat(*from), *x);
+        }
+        open &= !lanes;
+    }
+    out
+}
+
 /// One lane of numbers.
 #[inline(always)]
 pub fn lane_of<R: Real, const N: usize>(numbers: &[R; N], lane: usize) -> [f64; N] {
