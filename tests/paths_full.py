@@ -132,12 +132,13 @@ def main() -> None:
         while arms.total() < given.paths:
             batch = range(seed, seed + 4 * given.processes)
             seed = batch.stop
-            for _, kinds, found in pool.imap(of_seed, batch):
+            for done, kinds, found in pool.imap(of_seed, batch):
                 arms.update(arm for arm, _ in kinds)
                 forms.update(form for _, form in kinds)
                 faults += found
-            minutes = (time.perf_counter() - begin) / 60
-            print(f"{arms.total()} paths, {len(faults)} rejected, {minutes:.1f} min", flush=True)
+                minutes = (time.perf_counter() - begin) / 60
+                said = f"{arms.total()} paths, {len(faults)} rejected, {minutes:.1f} min"
+                print(f"seed {done}: {said}", flush=True)
     print(f"seeds {given.seed} to {seed - 1}")
     for title, counts in (("arm", arms), ("form", forms)):
         print(f"\n| {title} | paths |\n|---|---|")

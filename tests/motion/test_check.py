@@ -14,7 +14,7 @@ import agrik_fast as ik
 import path_checker
 import spec_scenes
 from agrik_fast import motion
-from agrik_fast.collision import Scene, SceneObject, Sphere
+from agrik_fast.collision import Box, Scene, SceneObject, Sphere
 from agrik_fast.errors import ArgumentError, SceneFileError
 
 LoadRobot = Callable[[str], ik.Robot]
@@ -138,14 +138,29 @@ def test_an_arm_without_bodies_is_told_what_to_add() -> None:
 def test_scenes_that_are_wrong_are_refused(load_robot: LoadRobot) -> None:
     with pytest.raises(ArgumentError, match="radius"):
         Sphere([0, 0, 0], float("nan"))
-    with pytest.raises(ArgumentError):
+    with pytest.raises(ArgumentError, match="radius"):
         Sphere([0, 0, 0], -1.0)
+    with pytest.raises(ArgumentError, match="half"):
+        Box([0, 0, 0], [0.1, -0.1, 0.1])
     ball = SceneObject.of("ball", Sphere([0, 0, 0], 1.0))
     with pytest.raises(ArgumentError, match="ball"):
         Scene([ball, ball])
-    with pytest.raises(ArgumentError):
-        motion.check(load_robot("panda"), [[0.0] * 7], Scene([ball], exemptions=[("x", "ball")]))
-    assert issubclass(SceneFileError, Exception)
+    for pair, word in ((("finger", "ball"), "finger"), (("hand", "bell"), "bell")):
+        with pytest.raises((ArgumentError, SceneFileError), match=word):
+            motion.check(load_robot("panda"), [[0.0] * 7], Scene([ball], exemptions=[pair]))
+
+
+def test_a_million_points_are_no_matter(load_robot: LoadRobot) -> None:
+    arm = load_robot("panda")
+    points = np.random.default_rng(1).uniform(-2, 2, (1_000_000, 3))
+    points = points[np.linalg.norm(points - [0, 0, 0.3], axis=1) > 1.3]
+    assert len(points) > 800_000
+    rows = np.concatenate([points, np.full((len(points), 1), 0.002)], axis=1)
+    crop = Scene([SceneObject("crop", spheres=rows)])
+    goal = REST + np.array([0.8, 0.1, 0, 0, 0, 0, 0])
+    found = motion.plan(arm, REST, goal, crop)
+    assert found.how == "straight"
+    assert 0.002 <= found.certified <= crop.clearance(arm, np.stack([REST, goal])).min()
 
 
 def test_scenes_without_end_and_far_away(load_robot: LoadRobot) -> None:

@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
+import pytest
 
 import numpy_collision
 import numpy_fk
@@ -72,6 +73,7 @@ def some() -> Iterator[Returned]:
         yield from paths_full.returned(seed)
 
 
+@pytest.mark.timeout(1200)
 def test_paths_keep_what_was_certified_as_coal_says() -> None:
     arms: Counter[str] = Counter()
     for one in itertools.islice(some(), PATHS):
