@@ -216,7 +216,8 @@ def warm(_: int) -> None:
     """Time usual ticks."""
     for name in ("ur5", "panda"):
         arm = ik.Robot.load(name)
-        q = 0.5 * (arm.home + np.clip(arm.home + 0.6, arm.lower, arm.upper))
+        # Away from limits: beyond one there is no such path.
+        q = np.clip(arm.home + 0.3, arm.lower + 0.1, arm.upper - 0.1)
         path = [arm.fk(q + 5e-4 * np.sin(k / 30)) for k in range(200)]
         for what, most in (("warm call", None), ("tick", 0.05)):
             loop = arm.solver(max_change=most)

@@ -80,7 +80,8 @@ ELSEWHERE = (
 RECORDS = (BaseException, tuple, int, pydantic.BaseModel)
 # Records that the library makes and nobody else.
 ANSWERS = {
-    "Arrival", "Attempt", "Blockers", "Branches", "Budget", "CameraCalibration", "CameraPose",
+    "Agreement", "Arrival", "Attempt", "Blockers", "Branches", "Budget", "CameraCalibration",
+    "CameraPose",
     "Checked", "Command", "Commands", "Cone", "Contact", "Cut", "CutProof", "Cycle", "Decision",
     "Decisions", "Detection", "DhRow", "Distances", "Evaluation", "ExcludedPair", "Family",
     "FruitTruth", "IkResult", "JointPath", "Leg", "LinkStatistics", "LongFruit", "Obstacle",
@@ -274,6 +275,7 @@ VISION: dict[str, Any] = {
     "PointingLoop.rig": TomatoRig("loop://"),
     "PointingLoop.run.camera": [],
     "StereoPair.camera": Camera.of_view(64, 48, 60),
+    "agreement.found": [],
     "annotated.found": [],
     "detection_row.image": "a picture",
     "eye_to_hand.base": np.ones((6, 3)),
@@ -281,6 +283,8 @@ VISION: dict[str, Any] = {
     "long_fruit.mask": np.zeros((240, 320), bool),
     "looking_at.target": np.ones(3),
     "obstacles.masks": [np.zeros((240, 320), bool)],
+    "photographs.boxes": "none.csv",
+    "photographs.folder": "none",
     "render.scene": DrawnScene((Fruit((0, 0, 0.4), 0.03),)),
     "rendered.scene": random_scene("empty"),
     "triangulate.left": paper_camera(),

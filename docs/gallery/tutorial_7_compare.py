@@ -55,10 +55,9 @@ for name, solver in contenders.items():
 
 figure, axis = plt.subplots(figsize=(6.5, 3.2), layout="constrained")
 for name, (share, micros, _) in rows.items():
-    axis.plot(micros, 100 * share, "o", markersize=9)
-    axis.annotate(name, (micros, 100 * share), xytext=(6, -3), textcoords="offset points")
-axis.set(xscale="log", xlabel="time a pose [us]", ylabel="reached [%]", ylim=(-5, 108))
-axis.margins(x=0.15)
+    axis.plot(micros, 100 * share, "o", markersize=9, label=name)
+axis.set(xscale="log", xlabel="time a pose [µs]", ylabel="reached [%]", ylim=(0, 105))
+axis.legend(loc="lower left", ncols=2)
 
 # %%
 # Closed forms know every branch

@@ -56,7 +56,7 @@ for step in (*run.steps, *back.steps):
     axis.barh(names.index(step.axis), step.end - step.begin, left=step.begin, color=color)
 axis.set_yticks(range(len(names)), names)
 axis.set_xlabel("time [s]")
-axis.set_title("pick (blue) and reset (red)")
+axis.set_title("pick (blue) and reset (orange)")
 
 # %%
 # What cannot be done

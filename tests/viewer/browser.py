@@ -151,10 +151,13 @@ class Page:
         field = self.labelled(label)
         field.click()
 
-        def there() -> list[Any]:
-            return [o for o in self.find("[role=option]") if o.text == option and o.is_displayed()]
-
-        wait_for(there, f"an option {option!r}")[0].click()
+        # In one go: between finding and clicking, a busy page may draw the list anew.
+        script = (
+            "for (const o of document.querySelectorAll('[role=option]')) "
+            "if (o.textContent.trim() === arguments[0] && o.offsetParent) "
+            "{ o.click(); return true } return false"
+        )
+        wait_for(lambda: self.driver.execute_script(script, option), f"an option {option!r}")
 
     def write(self, label: str, text: str) -> None:
         """Write into a field in place of what it holds, and leave it."""

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._bodies import HalfSpace, surface
+from .. import _bodies
+from .._bodies import HalfSpace
 from .._checks import FloatArray, items, shown, text
 from ..errors import ArgumentError
 from ..plots import (
@@ -71,7 +72,7 @@ def draw_scene(axes: Any, scene: Iterable[SceneObject], skip: Iterable[str] = ()
         for shape in rest.shapes():
             if isinstance(shape, HalfSpace):
                 continue  # it has no end, and would hide what stands on it
-            add_triangles(axes, *surface(shape, _SIDES), colour, 0.6)
+            add_triangles(axes, *_bodies.surface(shape, _SIDES), colour, 0.6)
     total = sum(len(rows) for each in points.values() for rows in each)
     step = max(1, total // MOST_POINTS)
     for colour, each in points.items():

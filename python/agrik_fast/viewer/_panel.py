@@ -339,7 +339,7 @@ class Panel:
         colour = _WORD_COLOURS[good]
         # Not by colour alone: a bar that is broken where something is wrong.
         style = (
-            f"margin:0.4em 0.8em;padding-left:0.6em;color:{colour};"
+            f"margin:0.4em 0.8em;padding:0 1em 0 0.6em;color:{colour};"
             f"border-left:4px {'solid' if good else 'dashed'} {colour};font-size:0.9em;"
             "height:6em;overflow:auto"
         )

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .._bodies import HalfSpace, surface
+from .. import _bodies
+from .._bodies import HalfSpace
 from .._checks import FloatArray
 from ..collision import Scene
 from ..plots import FIELD, PALETTE
@@ -84,7 +85,7 @@ def scene_solids(scene: Scene) -> tuple[list[Mesh], list[Points]]:
         rest = replace(one, spheres=np.zeros((0, 4))) if many else one
         for shape in rest.shapes():
             place = rgb(FIELD["ground"]) if isinstance(shape, HalfSpace) else colour
-            groups.setdefault(place, []).append(surface(shape, sides))
+            groups.setdefault(place, []).append(_bodies.surface(shape, sides))
     return [Mesh(0, *_joined(group), colour) for colour, group in groups.items()], points
 
 

@@ -20,7 +20,7 @@ from ..errors import ArgumentError
 __all__ = ["Cone", "cone_of_outline"]
 
 MOST_POINTS = 120
-_TRIPLES = 96
+_TRIPLES = 48
 _REFITS = 4
 # Lengths of w = 1 / cos(alpha): from a degree to 42 degrees.
 _SMALLEST, _LARGEST = 1.0001, 1.35

@@ -37,11 +37,10 @@ _ROUND, _LONGEST = 1.05, 1.7
 _BETTER = 0.6
 # A circle with less red inside is the edge of something that lies before a fruit.
 _LEAST_FILL = 0.3
-# A fruit whose outline is less than half of its blob's is one of a cluster, and then all red. Nor
-# is a circle an outline beyond which red goes on that belongs to no fruit beside it, but where it
-# is all red itself: not every fruit of a cluster is found.
-_OWN_OUTLINE, _ALL_RED = 0.5, 0.96
+# Red that goes on beyond a circle and belongs to no fruit beside it: the circle is no outline then.
+# One that is red all over is a fruit nevertheless, as in a cluster of which not all were found.
 _RING, _MOST_BEYOND = (1.1, 1.35), 0.05
+_ALL_RED = 0.96
 
 
 class DetectionStatus(IntEnum):
@@ -392,12 +391,7 @@ class Detector:
         if edge and self._at_border(cone.axis, alpha):
             sound = score >= self.least_score and fill >= self.least_fill
             status = DetectionStatus.EDGE if sound else DetectionStatus.WEAK
-        elif (
-            cover >= self.least_cover
-            and fill >= self.least_fill
-            and score >= self.least_score
-            and (float(on.mean()) >= _OWN_OUTLINE or fill >= _ALL_RED)
-        ):
+        elif cover >= self.least_cover and fill >= self.least_fill and score >= self.least_score:
             status = DetectionStatus.OK
         return Detection(
             status,

@@ -8,9 +8,7 @@ use super::all_branches::all;
 use super::arm_angle::ArmAngle;
 use super::locked::moved_tail;
 use super::query::Query;
-use crate::call::{
-    Aim, AnswersMut, Goals, Guard, Outcome, Prefer, Request, Starts, Status, TOGETHER,
-};
+use crate::call::{Aim, AnswersMut, Goals, Outcome, Request, Starts, Status};
 use crate::chain::{Reach, Tail};
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::families::Lead;
@@ -62,8 +60,7 @@ impl<'a> Sweep<'a> {
         else {
             return false;
         };
-        let (pose, start) = (&poses[row], self.request.start(row));
-        let Some(best) = self.chosen(pose, start) else { return false };
+        let Some(best) = self.best(&poses[row], self.request.start(row)) else { return false };
         let chain = self.request.chain();
         let mut workspace = Workspace::new(chain.compiled());
         forward(chain.compiled(), &best.q, &mut workspace);
@@ -80,25 +77,7 @@ impl<'a> Sweep<'a> {
         true
     }
 
-    /// The best posture that the call's guard accepts.
-    fn chosen(&self, pose: &[f64; 16], start: Option<&[f64]>) -> Option<Posture> {
-        let guard = self.request.guard();
-        // The answer of a call without a guard is the first, and the nearest: mostly it will do.
-        if !guard.is_some_and(|guard| guard.prefer == Prefer::Clearance) {
-            let best = self.best(pose, start, None)?;
-            if guard.is_none_or(|guard| guard.accept.accepts(&best.q) & 1 != 0) {
-                return Some(best);
-            }
-        }
-        self.best(pose, start, guard)
-    }
-
-    fn best(
-        &self,
-        pose: &[f64; 16],
-        start: Option<&[f64]>,
-        guard: Option<Guard<'_>>,
-    ) -> Option<Posture> {
+    fn best(&self, pose: &[f64; 16], start: Option<&[f64]>) -> Option<Posture> {
         let (low, high) = self.lead.within_reach(pose, &self.reach, self.limits)?;
         let variables = self.request.chain().variables();
         let centre: Vec<f64> = match start {
@@ -109,12 +88,12 @@ impl<'a> Sweep<'a> {
         let step = (high - low) / (PLACES - 1) as f64;
         let places = (0..PLACES).map(|k| step.mul_add(k as f64, low).min(high));
         let places: Vec<f64> = std::iter::once(here).chain(places).collect();
-        let mut best = self.best_of(pose, &places, &centre, guard)?;
+        let mut best = self.best_of(pose, &places, &centre)?;
         let mut step = step;
         for _ in 0..HALVINGS {
             step *= 0.5;
             let sides = [best.slide - step, best.slide + step].map(|x| x.clamp(low, high));
-            if let Some(next) = self.best_of(pose, &sides, &centre, guard)
+            if let Some(next) = self.best_of(pose, &sides, &centre)
                 && next.cost < best.cost
             {
                 best = next;
@@ -123,15 +102,8 @@ impl<'a> Sweep<'a> {
         Some(best)
     }
 
-    /// The valid branch nearest to the centre at any of some places, or what a guard prefers; the
-    /// first of several.
-    fn best_of(
-        &self,
-        pose: &[f64; 16],
-        places: &[f64],
-        centre: &[f64],
-        guard: Option<Guard<'_>>,
-    ) -> Option<Posture> {
+    /// The valid branch nearest to the centre at any of some places; the first of several.
+    fn best_of(&self, pose: &[f64; 16], places: &[f64], centre: &[f64]) -> Option<Posture> {
         let lead = self.lead;
         let (rest, dof) = (lead.rest(), lead.rest().dof());
         let goals: Vec<[f64; 16]> = places.iter().map(|x| lead.seen(pose, *x)).collect();
@@ -149,32 +121,9 @@ impl<'a> Sweep<'a> {
             off.mul_add(off, row(b).iter().zip(&near).map(apart).sum())
         };
         let valid = (0..found.valid.len()).filter(|b| found.valid[*b]);
-        let mut order: Vec<(f64, usize)> = valid.map(|b| (cost(b), b)).collect();
-        let posture = |(cost, b): (f64, usize)| {
-            let mut q = row(b).to_vec();
-            q.insert(lead.variable(), place(b));
-            Posture { slide: place(b), q, cost }
-        };
-        let Some(guard) = guard else {
-            return order.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(posture);
-        };
-        order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut best: Option<Posture> = None;
-        for some in order.chunks(TOGETHER) {
-            let postures: Vec<Posture> = some.iter().copied().map(posture).collect();
-            let q: Vec<f64> = postures.iter().flat_map(|one| &one.q).copied().collect();
-            let accepted = guard.accept.accepts(&q);
-            let each = postures.into_iter().enumerate();
-            for (_, one) in each.filter(|(lane, _)| accepted >> lane & 1 != 0) {
-                if guard.prefer != Prefer::Clearance {
-                    return Some(one);
-                }
-                let cost = -guard.accept.margin(&one.q, f64::INFINITY);
-                if best.as_ref().is_none_or(|best| cost < best.cost) {
-                    best = Some(Posture { cost, ..one });
-                }
-            }
-        }
-        best
+        let (cost, b) = valid.map(|b| (cost(b), b)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let mut q = row(b).to_vec();
+        q.insert(lead.variable(), place(b));
+        Some(Posture { slide: place(b), q, cost })
     }
 }

@@ -29,8 +29,10 @@ const CAREFUL: f64 = 0.1;
 /// shorter and shorter, so that none that go to and fro spoil the end.
 const LAST: u32 = 8;
 const SHORTER: u32 = 12;
-/// A step along the measure below this is none.
+/// A step along the measure below this is none; towards the limits' measure, which is steep near
+/// them, steps are shorter.
 const SETTLED: f64 = 2e-5;
+const SETTLED_STEEP: f64 = 1e-6;
 /// A joint this near to a limit stands at it, rad or m, and one that the way back to the target
 /// would push outward by this is held as well.
 const AT: f64 = 1e-6;
@@ -172,7 +174,8 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             }
         }
         let length = least;
-        let still = R::bits((length * longest).lt(R::splat(SETTLED)));
+        let settled = if second.measure == Merit::Limits { SETTLED_STEEP } else { SETTLED };
+        let still = R::bits((length * longest).lt(R::splat(settled)));
         let counted = memory.stepped + R::splat(1.0);
         memory.stepped = R::select(R::mask_from_bits(moving), counted, memory.stepped);
         for (change, way) in self.change.iter_mut().zip(&memory.along) {
