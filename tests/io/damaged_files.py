@@ -1,8 +1,9 @@
 """Damages files of every kind and gives them to the readers: `python tests/io/damaged_files.py`.
 
 Every case is made from a seed. A reader may take a file or refuse it with an error of the
-library on one line; anything else is a fault: another exception, more than `SECONDS`, more than
-`BYTES` of memory. `test_damaged_files.py` tries a few, this script as many as it is told to.
+library on one line, or a line for each fault below one that counts them; anything else is a
+fault: another exception, more than `SECONDS`, more than `BYTES` of memory.
+`test_damaged_files.py` tries a few, this script as many as it is told to.
 """
 
 from __future__ import annotations
@@ -117,7 +118,8 @@ def fault_of(case: Case, folder: Path) -> tuple[str, str]:
             case.read(path)
     except AgrikError as error:
         outcome = "refused"
-        if "\n" in str(error) and not isinstance(error, ik.errors.RobotFileError):
+        # Of several faults each has a line below the one that counts them.
+        if any(not line.startswith("  ") for line in str(error).splitlines()[1:]):
             fault = f"more than a line: {error}"
         elif path.name not in str(error):
             fault = f"no file in the message: {error}"
