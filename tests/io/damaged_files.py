@@ -22,7 +22,6 @@ from pathlib import Path
 from hostile_files import hostile_files
 from sound_files import Case, sound_files
 
-import agrik_fast as ik
 from agrik_fast import AgrikError
 
 SECONDS = 5.0
