@@ -89,7 +89,7 @@ def test_wild_detections_command_no_jumps() -> None:
 
 def test_one_picture_is_enough() -> None:
     # The specification's error budget: 1.2 % in the mean of 100, of which these are a sample.
-    off = chain(8)
+    off = chain(5)
     assert 100 * off.mean() / FAR < MOST_PERCENT
     assert off.max() < 0.006
 
