@@ -81,9 +81,10 @@ browser: build $(VENV)/.dev ## the viewer in Chromium (sets itself up on Debian 
 	.ci/browser
 	AGRIK_BROWSER=1 $(PY) -m pytest -m browser
 
-vision-full: build $(VENV)/.dev ## the detector on 2,000 renders, the loop before 20 fruits, stereo to harvest
+vision-full: build $(VENV)/.dev ## the detector on 2,000 renders, the loop before 20 fruits, the chain, stereo to harvest
 	PYTHONPATH=tests $(PY) tests/vision_renders.py --renders 2000
 	PYTHONPATH=tests $(PY) tests/pointing_full.py --fruits 20
+	PYTHONPATH=tests $(PY) tests/vision_chain.py --renders 100
 	AGRIK_ALL_SCENES=1 $(PY) -m pytest --timeout 600 tests/vision/test_stereo_harvest.py
 
 motion-full: build $(VENV)/.dev ## 10,000 paths before a judge of plain NumPy; the large samples of proofs
