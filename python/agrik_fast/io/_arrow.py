@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .._files import Refusal, listing, reading
 from ._columns import ColumnError, match_columns
 from ._extras import ArrowExtras, arrow_type
-from ._ids import ID_LETTERS, check_text, checked, too_long
+from ._ids import ID_LETTERS, checked, too_long
 from ._parquet import import_pyarrow
 from ._reader import CHUNK_BYTES, DEFAULT_CHUNK
 from ._records import (
@@ -129,17 +129,21 @@ class TargetTable:
     def _long(self, first: int, batch: Any) -> list[FaultyRows]:
         if not self.has_text_ids:
             return []
-        column = batch.column(batch.schema.get_field_index("id"))
-        lengths = self._pyarrow.compute.utf8_length(getattr(column, "dictionary", column))
-        if hasattr(column, "dictionary"):
-            lengths = lengths.take(column.indices)
-        letters = lengths.fill_null(0).to_numpy(zero_copy_only=False)
-        rows = np.flatnonzero(letters > ID_LETTERS)
+        letters = self._letters(batch)
 
         def word(row: int) -> str:
             return too_long(f"row {row}, column 'id'", int(letters[row - first - 1]))
 
-        return [(first + 1 + rows, word)]
+        return [(first + 1 + np.flatnonzero(letters > ID_LETTERS), word)]
+
+    def _letters(self, batch: Any) -> NDArray[Any]:
+        """Return how many letters the id of each row has."""
+        column = batch.column(batch.schema.get_field_index("id"))
+        # The rows of a dictionary may be many and long; they are not unpacked.
+        lengths = self._pyarrow.compute.utf8_length(getattr(column, "dictionary", column))
+        if hasattr(column, "dictionary"):
+            lengths = lengths.take(column.indices)
+        return np.asarray(lengths.fill_null(0).to_numpy(zero_copy_only=False))
 
     def row_bytes(self, first: int, batch: Any) -> int:
         """Return about how many bytes a row takes; long ids are refused."""
@@ -152,18 +156,9 @@ class TargetTable:
             texts = getattr(column, "dictionary", column)
             longest = self._pyarrow.compute.max(self._pyarrow.compute.binary_length(texts))
             if (longest.as_py() or 0) > CHUNK_BYTES // DEFAULT_CHUNK:
-                for k, text in enumerate(texts.to_pylist()):
-                    if text is not None:
-                        row = self._row_of(column, texts, k)
-                        check_text(text, f"row {first + row + 1}, column 'id'", self._refuse)
-                        letters = max(letters, len(text))
+                refuse_rows(self._long(first, batch), self._refuse)
+                letters = int(np.max(self._letters(batch), initial=0))
         return 4 * letters
-
-    def _row_of(self, column: Any, texts: Any, k: int) -> int:
-        if texts is column:
-            return k
-        found = self._pyarrow.compute.index(column.indices, k).as_py()
-        return max(int(found), 0)
 
     def _ids(self, first: int, batch: Any) -> NDArray[Any]:
         if not self.has_ids:
