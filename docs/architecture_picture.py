@@ -79,7 +79,9 @@ def draw_rust(file: Path) -> None:
     panels += [(crate, layout.rust_modules(crate)) for crate in crates]
     floors = {title: layout.floors(arrows) for title, arrows in panels}
     columns = _columns({title: len(each) + 1 for title, each in floors.items()})
-    widths = [1.5 + max(len(floor) for title in each for floor in floors[title]) for each in columns]
+    widths = [
+        1.5 + max(len(floor) for title in each for floor in floors[title]) for each in columns
+    ]
     tall = max(sum(len(floors[title]) + 1 for title in each) for each in columns)
     figure = plt.figure(figsize=(0.85 * sum(widths), 0.55 * tall), layout="constrained")
     sides = figure.add_gridspec(1, len(columns), width_ratios=widths)
