@@ -87,9 +87,9 @@ class SceneTab:
 
     def _read(self) -> None:
         given = self._load.value
-        suffix = Path(given.name).suffix.lower()
+        name = Path(given.name)
         with tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / f"scene{suffix}"
+            file = Path(folder) / f"{name.stem}{name.suffix.lower()}"
             file.write_bytes(given.content)
             self._take(Scene.load(file))
 

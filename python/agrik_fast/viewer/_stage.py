@@ -114,6 +114,12 @@ class Stage:
         """Return the size of the target's handle, m."""
         return float(np.clip(0.22 * self._robot.reach_radius, 0.08, 0.5))
 
+    def handle_tips(self, pose: FloatArray) -> FloatArray:
+        """Return how far the handle goes at a pose, shape (6, 3), m."""
+        axes = self.handle.scale * pose[:3, :3].T
+        tips: FloatArray = pose[:3, 3] + np.concatenate([axes, -axes])
+        return tips
+
     def _mesh(self, name: str, mesh: Mesh, colour: Any = None, opacity: float | None = None) -> Any:
         return self._scene.add_mesh_simple(
             name,
