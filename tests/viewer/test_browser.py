@@ -125,6 +125,17 @@ def test_a_target_beyond_reach_is_told_in_words_and_colour(desktop: Page, viewer
     assert desktop.driver.execute_script(colour) == "rgb(0, 80, 125)"
 
 
+def test_the_keyboard_undoes_and_redoes(desktop: Page, viewer: Viewer) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    before = viewer.target
+    viewer.aim(before[:3, 3] - [0.0, 0.0, 0.03])
+    moved = viewer.target
+    for key, wanted in (("z", before), ("y", moved)):
+        desktop.driver.switch_to.active_element.send_keys(Keys.CONTROL, key, Keys.NULL)
+        wait_for(lambda wanted=wanted: np.allclose(viewer.target, wanted), f"Ctrl-{key}")
+
+
 def test_branches_by_the_keyboard(desktop: Page, viewer: Viewer) -> None:
     desktop.click(desktop.labelled("all branches"))
     wait_for(lambda: len(viewer._panel.stage._branches) > 1, "branches")
