@@ -146,9 +146,10 @@ class Stage:
             self._place(self._ghost_frames, q)
 
     def _place(self, frames: Sequence[Any], q: FloatArray) -> None:
-        for handle, pose in zip(frames, self._robot.frames_of(q), strict=True):
+        poses = self._robot.frames_of(q)
+        for handle, pose, turn in zip(frames, poses, wxyz(poses), strict=True):
             handle.position = pose[:3, 3]
-            handle.wxyz = wxyz(pose[:3, :3])
+            handle.wxyz = turn
 
     def drawn(self) -> FloatArray:
         """Return the frames as they are drawn, shape (links + 1, 4, 4), m."""
