@@ -15,7 +15,8 @@ class Client:
         self.camera = SimpleNamespace(image_width=640, image_height=480)
         self.files: dict[str, bytes] = {}
 
-    def send_file_download(self, name: str, content: bytes) -> None:
+    def send_file_download(self, name: str, content: bytes, *, save_immediately: bool) -> None:
+        assert save_immediately
         self.files[name] = content
 
     def get_render(self, height: int, width: int, **_: Any) -> np.ndarray:

@@ -19,6 +19,7 @@ from browser import (
     the_camera,
     wait_for,
 )
+from PIL import Image
 
 import agrik_fast as ik
 from agrik_fast.viewer import Viewer, export_html, view
@@ -224,6 +225,25 @@ def test_what_is_taken_away(desktop: Page, viewer: Viewer) -> None:
     names: dict[str, Any] = {}
     exec(script, names)
     assert np.abs(names["result"].q - viewer.q).max() < 1e-6
+
+
+def test_files_are_saved(desktop: Page, viewer: Viewer, tmp_path: Path) -> None:
+    allowed = {"behavior": "allow", "downloadPath": str(tmp_path)}
+    desktop.driver.execute_cdp_cmd("Browser.setDownloadBehavior", allowed)
+    desktop.tab("Export")
+    for label, name in (
+        ("target and joint values (CSV)", "arm.csv"),
+        ("picture (PNG)", "arm.png"),
+        ("page without a server (HTML)", "arm.html"),
+    ):
+        desktop.button(label)
+        wait_for(lambda name=name: (tmp_path / name).exists(), name, 60.0)
+    last = (tmp_path / "arm.csv").read_text(encoding="utf-8").splitlines()[1]
+    assert [float(x) for x in last.split(",")[6:]] == viewer.q.tolist()
+    picture = np.asarray(Image.open(tmp_path / "arm.png").convert("RGB")).astype(int)
+    # An arm, on white.
+    assert picture.max() == 255
+    assert ((picture.max(axis=2) - picture.min(axis=2)) > 60).sum() > 500
 
 
 def test_the_time_from_drag_to_text(desktop: Page, viewer: Viewer) -> None:

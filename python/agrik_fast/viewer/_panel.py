@@ -364,3 +364,9 @@ class Panel:
 def _why(session: Session) -> str:
     outcome = session.outcome
     return outcome.nearness if outcome.reached and outcome.hits else outcome.headline
+
+
+def send_file(event: Any, name: str, content: bytes) -> None:
+    """Have the browser that asked save a file."""
+    if event.client is not None:
+        event.client.send_file_download(name, content, save_immediately=True)

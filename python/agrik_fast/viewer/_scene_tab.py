@@ -9,7 +9,7 @@ from typing import Any
 
 from ..collision import Scene, SceneObject, Sphere
 from ..robot import LOOKS
-from ._panel import Panel
+from ._panel import Panel, send_file
 
 
 class SceneTab:
@@ -98,5 +98,4 @@ class SceneTab:
 
         scene = self._panel.session.scene or Scene()
         content = json.dumps(document_of(scene), indent=1).encode()
-        if event.client is not None:
-            event.client.send_file_download("scene.json", content)
+        send_file(event, "scene.json", content)
