@@ -108,7 +108,7 @@ def cases(count: int, seed: int, folder: Path) -> Iterator[Case]:
 
 def most_breaks(error: AgrikError) -> float:
     """Return how many lines may follow the first: faults have a line each."""
-    if isinstance(error, ik.errors.RobotFileError):
+    if isinstance(error, ik.errors.RobotFileError | ik.errors.GainFileError):
         return math.inf
     if isinstance(error, DataFileError) and " rows are faulty\n" in str(error):
         return 21  # twenty, and how many more

@@ -39,7 +39,7 @@ def test_every_solver_class_has_its_name_in_the_list() -> None:
 
 def test_help_and_docstring_name_every_solver() -> None:
     text = run_command("solve", "--help").stdout
-    (option,) = re.findall(r"--solver.*?\[default: \(?lm\)?\]", text, re.DOTALL)
+    (option,) = re.findall(r"--solver.*?\[default:\s+\(?lm\)?\]", text, re.DOTALL)
     words = re.sub(r"\s+", " ", option).split(" ", 2)[2]
     listed = re.split(r", | or ", re.split(r"[.;]", words)[0])
     assert listed == list(solver_names())
