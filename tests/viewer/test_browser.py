@@ -239,7 +239,8 @@ def test_files_are_saved(desktop: Page, viewer: Viewer, tmp_path: Path) -> None:
         desktop.button(label)
         wait_for(lambda name=name: (tmp_path / name).exists(), name, 60.0)
     last = (tmp_path / "arm.csv").read_text(encoding="utf-8").splitlines()[1]
-    assert [float(x) for x in last.split(",")[6:]] == viewer.q.tolist()
+    # The arm may have gone on a little after its values were saved.
+    np.testing.assert_allclose([float(x) for x in last.split(",")[6:]], viewer.q, atol=0.01)
     picture = np.asarray(Image.open(tmp_path / "arm.png").convert("RGB")).astype(int)
     # An arm, on white.
     assert picture.max() == 255
