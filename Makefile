@@ -22,7 +22,8 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 .DELETE_ON_ERROR:
 .PHONY: help run test lint format bench callgrind aarch64 sanitize miri wheel docs clean build oracle \
 	firmware rigs rigs-full browser gradients vision-full motion-full branches branches-sample \
-	damaged fuzz-arms fuzz-sample robustness rust-lint rust-test python-lint python-test
+	damaged fuzz-arms fuzz-sample robustness rust-checks rust-lint rust-test \
+	python-checks python-lint python-test
 
 help: ## say what every target does
 	@echo 'agrik_fast: `make run` and `make test` need only Rust, Python >= 3.11 and PyPI.'
@@ -33,7 +34,9 @@ run: build ## solve the example targets of every robot, write and check the resu
 	$(PY) examples/field_jobs.py
 	$(PY) examples/play_line.py
 
-test: rust-lint rust-test python-lint python-test ## every check but the oracle: linters, types, Rust and Python tests
+# Two queues side by side, as in .ci/run: what needs the release build, and what needs none.
+test: $(VENV)/.pip ## every check but the oracle: linters, types, Rust and Python tests
+	$(MAKE) --jobs 2 --output-sync=line rust-checks python-checks
 
 lint: rust-lint python-lint ## formatting, clippy, ruff, mypy and stubtest, without the tests
 
@@ -136,6 +139,14 @@ gradients: build wheel $(GRADIENTS)/.done ## tensors and gradients of torch and 
 	$(GRADIENTS)/bin/python -m pytest tests/gradients
 
 # ---- the parts of `make test` ----------------------------------------------------------------
+
+rust-checks:
+	$(MAKE) rust-lint
+	$(MAKE) rust-test
+
+python-checks:
+	$(MAKE) python-lint
+	$(MAKE) python-test
 
 # PyO3 asks an interpreter for its version, so the environment comes first.
 rust-lint: $(VENV)/.pip

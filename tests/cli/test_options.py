@@ -14,7 +14,7 @@ import pytest
 from agrik_fast import Robot
 from agrik_fast.io import read_results
 from agrik_fast.solvers import StaticGain, gain_file, load_gains
-from cli_runner import RunCommand, run_command
+from cli_runner import RunCommand, one_line, run_command
 from urdf_text import joint, urdf
 
 
@@ -162,3 +162,114 @@ def test_schemas_name_their_dialect(agrik_fast: RunCommand) -> None:
     for kind in ("robot", "gains", "scene", "calibration"):
         schema = json.loads(agrik_fast("schema", kind).stdout)
         assert schema["$schema"].startswith("https://json-schema.org/") and schema["properties"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["solve", "ur5"], "Missing argument 'targets'; see agrik-fast solve --help"),
+        (["solve", "ur5", "t.csv", "--slover", "lm"], "No such option: --slover"),
+        (["slove"], "No such command 'slove'"),
+        (["--wide"], "No such option: --wide"),
+        (["view", "ur5", "--port", "x"], "Invalid value for '--port'"),
+        (["cluster", "clean"], "Missing argument"),
+    ],
+)
+def test_usage_errors_are_one_line(agrik_fast: RunCommand, words: list[str], said: str) -> None:
+    line = one_line(agrik_fast(*words))
+    assert line.startswith("agrik-fast: ") and said in line and "--help" in line
+
+
+# Commands that load a robot, with the words that they cannot do without.
+COMMANDS = {
+    "solve": ["solve", "ur5", "t.csv", "-o", "r.csv"],
+    "info": ["info", "ur5"],
+    "convert": ["convert", "ur5", "r.toml"],
+    "tune": ["tune", "ur5", "-o", "g.toml"],
+    "harvest": ["harvest", "s.json", "-o", "h"],
+    "view": ["view", "ur5", "--no-browser", "--port", "0"],
+    "plan": ["plan", "ur5", "--target", "0.3,0.2,0.4", "-o", "t.npz"],
+    "cluster solve": ["cluster", "solve", "-r", "ur5", "in", "out"],
+    "cluster forward": ["cluster", "forward", "-r", "ur5", "in", "out"],
+    "cluster harvest": ["cluster", "harvest", "in", "out"],
+}
+OPTIONS = ("base-link", "tip-link", "tool", "q0", "mask", "frame", "solver")
+UNFIT = {
+    "info": ("mask", "solver"),
+    "convert": ("q0", "mask", "solver"),
+    "tune": ("q0", "mask"),
+    "harvest": ("mask", "solver"),
+    "view": ("mask",),
+    "plan": ("mask",),
+    "cluster forward": ("q0", "mask", "solver"),
+    "cluster harvest": ("q0", "mask", "solver"),
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_with_a_robot_knows_all_its_options(
+    agrik_fast: RunCommand, command: str
+) -> None:
+    own = agrik_fast(*COMMANDS[command], "--help").stdout
+    unfit = UNFIT.get(command, ())
+    for option in OPTIONS:
+        assert (f"--{option}" in own) == (option not in unfit), option
+    for option in unfit:
+        line = one_line(agrik_fast(*COMMANDS[command], f"--{option}", "1"))
+        name = command.split()[-1]
+        assert line.startswith(f"agrik-fast: `--{option}` means nothing to `{name}`: "), line
+    if len(unfit) > 1:
+        given = [word for option in unfit for word in (f"--{option}", "1")]
+        assert len(agrik_fast(*COMMANDS[command], *given).stderr.splitlines()) == len(unfit)
+    assert not any(Path().iterdir())
+
+
+def test_options_that_need_others_are_refused(agrik_fast: RunCommand) -> None:
+    assert "`ROBOT`: expected a robot" in one_line(agrik_fast("info", "--tip-link", "a"))
+    line = one_line(agrik_fast(*COMMANDS["harvest"], "--start", "0"))
+    assert line.startswith("agrik-fast: `--start`: expected --path as well")
+    page = ["view", "ur5", "--export", "p.html"]
+    assert "solves nothing" in one_line(agrik_fast(*page, "--solver", "lm"))
+    played = agrik_fast(*page, "--q0", "0,0,0,0,0,0", "--targets", "t.csv")
+    assert "which are played" in one_line(played)
+    assert "`--q0`: expected 6 numbers" in one_line(agrik_fast(*COMMANDS["view"], "--q0", "1"))
+    far = agrik_fast(*COMMANDS["view"], "--q0", "99,0,0,0,0,0")
+    assert "`--q0`: expected 6 values within the limits" in one_line(far)
+    assert "unknown solver 'ml'" in one_line(agrik_fast(*COMMANDS["view"], "--solver", "ml"))
+    assert not any(Path().iterdir())
+
+
+def test_a_page_shows_the_posture_that_is_given(agrik_fast: RunCommand) -> None:
+    for name, q in (("a", "0,-1,1,0,0,0"), ("b", "1,-1,1,0,0,0"), ("c", "0,-1,1,0,0,0")):
+        done = agrik_fast("view", "ur5", "--export", f"{name}.html", "--q0", q)
+        assert done.exit_code == 0, done.output
+    a, b, c = (Path(f"{name}.html").read_bytes() for name in "abc")
+    assert a != b and len(a) == len(c)
+
+
+def test_plan_takes_the_solver_of_points(agrik_fast: RunCommand) -> None:
+    arm, start = Robot.load("panda"), [0.1, -0.4, 0.0, -2.0, 0.0, 1.8, 0.8]
+    place = arm.fk(start)[:3, 3] + [0.0, 0.1, 0.05]
+    target = ",".join(map(str, place))
+    given = ",".join(map(str, start))
+    words = ["plan", "panda", "--q0", given, "-o", "t.npz"]
+    done = agrik_fast(*words, "--target", target, "--solver", "dls")
+    assert done.exit_code == 0, done.output
+    assert np.allclose(arm.fk(np.load("t.npz")["positions"][-1])[:3, 3], place, atol=1e-5)
+    wrong = agrik_fast(*words, "--target", target, "--solver", "ml")
+    assert "unknown solver 'ml'" in one_line(wrong)
+    line = one_line(agrik_fast(*words, "--target", f"q={given}", "--solver", "dls"))
+    assert line.startswith("agrik-fast: `--solver`: expected nothing but with a point x,y,z")
+
+
+def test_what_all_branches_do_not_use_is_said(agrik_fast: RunCommand) -> None:
+    arm = Robot.load("ur5")
+    np.save("p.npy", arm.fk(arm.random_q(2, seed=1)))
+    words = ["solve", "ur5", "p.npy", "--all-branches", "--solver", "lm", "--seed", "3"]
+    said = agrik_fast(*words, "-o", "r.csv")
+    assert said.exit_code == 0, said.output
+    for option in ("--solver lm", "--seed 3"):
+        assert f"agrik-fast: {option} is not used: --all-branches asks no solver" in said.stderr
+    plain = agrik_fast("solve", "ur5", "p.npy", "--all-branches", "-o", "s.csv")
+    assert plain.exit_code == 0 and "not used" not in plain.stderr
+    assert Path("r.csv").read_bytes() == Path("s.csv").read_bytes()

@@ -8,7 +8,7 @@ import pytest
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the peak of memory is read from /proc")
-def test_damaged_files_are_refused_on_one_line_soon_and_with_little_memory() -> None:
+def test_damaged_files_are_refused_in_few_lines_soon_and_with_little_memory() -> None:
     script = Path(__file__).with_name("damaged_files.py")
     command = [sys.executable, str(script), "--files", "160", "--seed", "7"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=400, check=False)

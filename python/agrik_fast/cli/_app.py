@@ -17,9 +17,11 @@ from ..papers import PAPERS
 from . import _harvest_options, _options
 from ._cluster_app import app as cluster_app
 from ._exits import NOT_ALL_SOLVED, exit_codes, run, say, telling
+from ._usage import OneLineGroup, refuses
 
 app = typer.Typer(
     name="agrik-fast",
+    cls=OneLineGroup,
     help="Fast, verified inverse kinematics for serial robot arms.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
@@ -88,11 +90,11 @@ def solve(
         ),
     ] = None,
     solver: Annotated[
-        str,
+        str | None,
         typer.Option(  # its help is in _SolveCommand
-            help="Name of the solver.", autocompletion=_options.solver_names
+            help="Name of the solver.", show_default="lm", autocompletion=_options.solver_names
         ),
-    ] = "lm",
+    ] = None,
     tol: Annotated[
         str,
         typer.Option(
@@ -185,6 +187,7 @@ def solve(
             parse_solver,
             parse_tolerance,
             solve_words,
+            unused,
         )
         from .progress import for_stream
         from .summary import print_summaries
@@ -218,6 +221,8 @@ def solve(
             all_branches=all_branches,
         )
         faults.tell(lambda: other_faults(request))
+        for line in unused(solver=solver, seed=seed, all_branches=all_branches):
+            say(f"agrik-fast: {line}")
         summary = solve_words(request, for_stream(sys.stderr))
         kept.what = lambda: f"results: {output}"
         with telling(f"results: {output}"):
@@ -228,6 +233,7 @@ def solve(
 
 
 @app.command()
+@refuses(mask=_options.NO_SOLVING, solver=_options.NO_SOLVING)
 def info(
     robot: Annotated[
         str | None,
@@ -262,7 +268,8 @@ def info(
         from ..jobs import RobotChoice
         from ._info import about_collisions, describe, list_robots, no_robot
 
-        if robot is None and (body or self_pairs):
+        asked = [base_link, tip_link, tool, frame, q0, body or None, self_pairs or None]
+        if robot is None and any(each is not None for each in asked):
             raise no_robot()
         if robot is None:
             text = list_robots()
@@ -297,6 +304,11 @@ def solvers() -> None:
 
 
 @app.command()
+@refuses(
+    q0="a robot file holds no start; its home posture is in the keys home_deg, home_m, ...",
+    mask=_options.NO_SOLVING,
+    solver=_options.NO_SOLVING,
+)
 def convert(
     robot: _options.Robot,
     output: Annotated[Path, typer.Argument(help="The robot file to write: .toml.")],
@@ -333,6 +345,10 @@ def schema(
 
 
 @app.command()
+@refuses(
+    q0="attempts start at --start zero or middle",
+    mask="gains are for whole positions or poses, --task position or pose",
+)
 def tune(
     robot: _options.Robot,
     output: Annotated[Path, typer.Option("--output", "-o", help="Gain file: .toml or .json.")],
@@ -431,6 +447,7 @@ def tune(
 
 
 @app.command()
+@refuses(**_options.BY_HARVEST)
 def harvest(
     scene: Annotated[Path, typer.Argument(help="Scene with targets: .json or .toml.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")],
@@ -471,10 +488,13 @@ def harvest(
     fruit the way into its posture, proven free, or why there is none.
     """
     with exit_codes() as kept:
+        from ..errors import ArgumentError
         from ..jobs import RobotChoice
         from ._harvest import check_folder, evaluate, lines, settings_of
         from .progress import for_stream
 
+        if start is not None and not paths:
+            raise ArgumentError("--start", repr(start), "--path as well: ways start there")
         check_folder(output, force=force)
         arm = RobotChoice(robot, base_link, tip_link, _options.tool(tool), frame)
         kept.what = lambda: f"files that were finished are in {output}"
@@ -521,6 +541,7 @@ def harvest(
 
 
 @app.command()
+@refuses(mask="its panel has the tasks pose, axis and position")
 def view(
     robot: _options.Robot,
     scene: Annotated[
@@ -548,6 +569,18 @@ def view(
         bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")
     ] = True,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing page.")] = False,
+    q0: Annotated[
+        str | None,
+        typer.Option("--q0", help="Posture at first, radians and metres, such as 0,-1.57,0."),
+    ] = None,
+    solver: Annotated[
+        str | None,
+        typer.Option(
+            help="Solver that the panel begins with.",
+            show_default="lm",
+            autocompletion=_options.solver_names,
+        ),
+    ] = None,
     base_link: _options.BaseLink = None,
     tip_link: _options.TipLink = None,
     tool: _options.Tool = None,
@@ -563,7 +596,7 @@ def view(
 
         kept.what = lambda: "the viewer has ended"
         choice = RobotChoice(robot, base_link, tip_link, _options.tool(tool), frame)
-        request = ViewRequest(choice, scene, targets, path, show, host, port)
+        request = ViewRequest(choice, scene, targets, path, show, host, port, q0, solver)
         if export is not None:
             kept.what = lambda: "nothing was written"
             file = write_page(request, export, force=force)
@@ -577,6 +610,7 @@ def view(
 
 
 @app.command()
+@refuses(mask="a way ends at a point, in a whole pose or in joint values")
 def plan(
     robot: _options.Robot,
     target: Annotated[
@@ -594,6 +628,14 @@ def plan(
         Path | None, typer.Option("--scene", help="What stands round it: .json or .toml.")
     ] = None,
     start: _options.Start = None,
+    solver: Annotated[
+        str | None,
+        typer.Option(
+            help="Solver of the searches for postures at a point x,y,z.",
+            show_default="lm",
+            autocompletion=_options.solver_names,
+        ),
+    ] = None,
     base_link: _options.BaseLink = None,
     tip_link: _options.TipLink = None,
     tool: _options.Tool = None,
@@ -618,7 +660,9 @@ def plan(
         from ._motion import plan as planned
 
         choice = RobotChoice(robot, base_link, tip_link, _options.tool(tool), frame)
-        arm, around, found = planned(choice, scene, start, target, clear=clear, seed=seed)
+        arm, around, found = planned(
+            choice, scene, start, target, clear=clear, seed=seed, solver=solver
+        )
         for note in arm.notes:
             say(f"{arm.name}: {note}")
         for line in lines(found):

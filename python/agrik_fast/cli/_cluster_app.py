@@ -97,7 +97,13 @@ def solve(
     return partial(run, robot=arm, task=task, seed=seed, **read)
 
 
-@job_command(app, "finite")
+@job_command(
+    app,
+    "finite",
+    q0="joint values come from the rows",
+    mask=_options.NO_SOLVING,
+    solver=_options.NO_SOLVING,
+)
 def forward(
     robot: RobotOption,
     base_link: _options.BaseLink = None,
@@ -116,7 +122,13 @@ def forward(
     return partial(run, robot=load(robot, base_link, tip_link, _options.tool(tool), frame))
 
 
-@job_command(app, "evaluated")
+@job_command(
+    app,
+    "evaluated",
+    q0="postures are looked for along the whole slide",
+    mask=_options.BY_HARVEST["mask"],
+    solver=_options.BY_HARVEST["solver"],
+)
 def harvest(
     robot: RobotOption = "cucumber",
     distance: harvest_options.DistanceOption = "exact",

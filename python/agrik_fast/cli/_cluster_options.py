@@ -11,6 +11,7 @@ import typer
 
 from ._exits import NOT_ALL_SOLVED, PARTITIONS_FAILED, exit_codes, say, telling
 from ._options import robot_names
+from ._usage import refuses
 
 Paths = Annotated[
     list[str],
@@ -130,7 +131,9 @@ Job = Callable[..., Any]
 """Runs a job: called with the source, the target and options of `agrik_fast.cluster.run`."""
 
 
-def job_command(app: typer.Typer, success: str) -> Callable[[Callable[..., Job]], Any]:
+def job_command(
+    app: typer.Typer, success: str, **unfit: str
+) -> Callable[[Callable[..., Job]], Any]:
     """Make a command of a function that makes a job of the options that are its own.
 
     Parameters
@@ -139,6 +142,8 @@ def job_command(app: typer.Typer, success: str) -> Callable[[Callable[..., Job]]
         Where the command goes, by the function's name.
     success : str
         Which of the job's counts is the number of rows that went well.
+    **unfit : str
+        Options of other commands that mean nothing here, and why, as for `refuses`.
     """
 
     def command(make: Callable[..., Job]) -> Any:
@@ -168,8 +173,8 @@ def job_command(app: typer.Typer, success: str) -> Callable[[Callable[..., Job]]
         # What typer reads options from.
         vars(run)["__signature__"] = inspect.Signature(parameters)
         run.__annotations__ = {each.name: each.annotation for each in parameters}
-        run.__doc__ = make.__doc__
-        return app.command(make.__name__)(run)
+        run.__doc__, run.__name__ = make.__doc__, make.__name__
+        return app.command(make.__name__)(refuses(**unfit)(run))
 
     return command
 

@@ -29,8 +29,8 @@ INTERRUPTED = 130  # the shell's 128 + SIGINT
 HUNG_UP = 129
 TERMINATED = 143
 
-# Faults of a file that are told, a line each.
-_PARTS = 20
+# Faults of a file that are told, a line each, below one on their number.
+_FAULTS = 20
 _ENDINGS = {"SIGTERM": ("terminated", TERMINATED), "SIGHUP": ("hung up", HUNG_UP)}
 
 
@@ -82,10 +82,12 @@ def _told(error: Exception) -> tuple[str, int]:
 
     if isinstance(error, AgrikError | OSError):
         parts = [part.strip() for part in str(error).splitlines() if part.strip()]
-        more = [f"and {len(parts) - _PARTS} more"] if len(parts) > _PARTS else []
+        told, left = parts[: 1 + _FAULTS], parts[1 + _FAULTS :]
+        # A single line that is left may be such a line on the rest.
+        more = [f"and {len(left)} more"] if len(left) > 1 else left
         # A single fault stands behind its file's name.
         between = "; " if len(parts) <= 2 else "\n  "
-        return between.join(parts[:_PARTS] + more), BAD_ARGUMENTS
+        return between.join(told + more), BAD_ARGUMENTS
     if isinstance(error, ImportError):
         return f"cannot be loaded: {brief(error)}", NO_MEMORY
     if isinstance(error, RuntimeError) and "new thread" in str(error):

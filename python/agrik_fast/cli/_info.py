@@ -83,8 +83,8 @@ def describe(robot: Robot, q: Sequence[float] | None = None) -> str:
 
 
 def no_robot() -> ArgumentError:
-    """Return the error of a question about bodies without a robot."""
-    return ArgumentError("ROBOT", "none", "a robot, whose bodies are to be told")
+    """Return the error of options that ask about a robot where there is none."""
+    return ArgumentError("ROBOT", "none", "a robot, which the options are about")
 
 
 def about_collisions(robot: Robot, *, body: bool, self_pairs: bool) -> str:

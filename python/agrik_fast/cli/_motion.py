@@ -14,6 +14,7 @@ from ..jobs import RobotChoice
 from ..robot import Robot
 from ..rotations import pose
 from ._options import numbers
+from ._solve import parse_solver
 
 
 def plan(
@@ -24,6 +25,7 @@ def plan(
     *,
     clear: float,
     seed: int,
+    solver: str | None = None,
 ) -> tuple[Robot, Scene, motion.Plan]:
     """Plan from a posture to a target: a name of the scene, a point, a pose, or joint values.
 
@@ -36,6 +38,9 @@ def plan(
     around = Scene() if scene is None else Scene.load(scene)
     first = arm.home if start is None else np.array(numbers("--start", start, (arm.dof,)))
     settings = motion.Settings(clear=clear, seed=seed)
+    if solver is not None and (target in around.targets or target.count(",") != 2):
+        expected = "nothing but with a point x,y,z as --target: only for points is one asked"
+        raise ArgumentError("--solver", solver, expected)
     if target in around.targets:
         return arm, around.aiming_at(target), _to_fruit(arm, around, first, target, settings)
     try:
@@ -51,7 +56,13 @@ def plan(
         values = np.array(numbers("--target", target[2:], (arm.dof,)))
         return arm, around, motion.plan(arm, first, values, around, settings=settings)
     if len(values) == 3:
-        goals, reached = motion.goals_of(arm, values, task="position", seed=seed)
+        goals, reached = motion.goals_of(
+            arm,
+            values,
+            task="position",
+            seed=seed,
+            solver="lm" if solver is None else parse_solver("--solver", solver),
+        )
         found = motion.plan(arm, first, goals, around, settings=settings, prefer="near")
         return arm, around, found if len(goals) else found.because(reached=reached)
     if len(values) != 6:

@@ -55,6 +55,13 @@ Start = Annotated[
     typer.Option("--start", "--q0", help="Where ways start, radians and metres; by default home."),
 ]
 
+# Why commands take no mask and no solver.
+NO_SOLVING = "nothing is solved here"
+BY_HARVEST = {
+    "mask": "what is free is said by the way to a fruit; --tilt-deg and --shift widen it",
+    "solver": "postures come from the arm's closed form",
+}
+
 
 class Faults:
     """Faults of options, all told at once, a line each."""

@@ -143,6 +143,15 @@ def solve_words(request: SolveRequest, progress: Progress) -> Summary:
         raise together([in_options(each) for each in (error, *faults_of(request))]) from None
 
 
+def unused(*, solver: str | None, seed: int, all_branches: bool) -> list[str]:
+    """Return what was given and is not used, a line each."""
+    if not all_branches:
+        return []
+    why = "is not used: --all-branches asks no solver"
+    given = [f"--solver {solver}"] if solver is not None else []
+    return [f"{option} {why}" for option in given + ([f"--seed {seed}"] if seed else [])]
+
+
 def other_faults(request: SolveRequest) -> list[AgrikError]:
     """Return what is wrong with a request beside the options that cannot be read."""
     return [in_options(each) for each in faults_of(request)]

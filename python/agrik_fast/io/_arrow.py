@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .._files import Refusal, listing, reading
 from ._columns import ColumnError, match_columns
 from ._extras import ArrowExtras, arrow_type
-from ._ids import check_text, checked
+from ._ids import ID_LETTERS, checked, too_long
 from ._parquet import import_pyarrow
 from ._reader import CHUNK_BYTES, DEFAULT_CHUNK
 from ._records import (
@@ -22,6 +22,7 @@ from ._records import (
     TargetChunk,
     scene_columns,
 )
+from ._row_faults import FaultyRows, refuse_rows
 
 # Whole numbers up to here are float64 numbers too.
 _EXACT = 2**53
@@ -97,8 +98,52 @@ class TargetTable:
         >>> table.chunk(0, batch).targets
         array([[0.4, 0.2, 0.3]])
         """
+        refuse_rows(self._inexact_and_empty(first, batch), self._refuse)
         values = number_columns(first, batch, self.numeric, self._refuse)
         return TargetChunk(first, self._columns.targets(values), self._ids(first, batch))
+
+    def row_faults(self, first: int, batch: Any) -> list[FaultyRows]:
+        """Return what is wrong with the rows of a batch: numbers, ids that are empty or long.
+
+        Examples
+        --------
+        >>> from agrik_fast.io import TargetTable
+        >>> import pyarrow
+        >>> columns = {"x_m": [0, 2**60], "y_m": [0.2, 0.1], "z_m": [0.3, 0.3]}
+        >>> batch = pyarrow.RecordBatch.from_pydict(columns)
+        >>> table = TargetTable(batch.schema, lambda reason: ValueError(reason))
+        >>> [rows.tolist() for rows, word in table.row_faults(0, batch)]
+        [[2]]
+        """
+        return [*self._inexact_and_empty(first, batch), *self._long(first, batch)]
+
+    def _inexact_and_empty(self, first: int, batch: Any) -> list[FaultyRows]:
+        found = _inexact(first, batch, self.numeric, self._pyarrow)
+        if self.has_ids:
+            column = batch.column(batch.schema.get_field_index("id"))
+            if column.null_count:
+                rows = np.flatnonzero(column.is_null().to_numpy(zero_copy_only=False))
+                found.append((first + 1 + rows, lambda row: f"row {row}, column 'id': is empty"))
+        return found
+
+    def _long(self, first: int, batch: Any) -> list[FaultyRows]:
+        if not self.has_text_ids:
+            return []
+        letters = self._letters(batch)
+
+        def word(row: int) -> str:
+            return too_long(f"row {row}, column 'id'", int(letters[row - first - 1]))
+
+        return [(first + 1 + np.flatnonzero(letters > ID_LETTERS), word)]
+
+    def _letters(self, batch: Any) -> NDArray[Any]:
+        """Return how many letters the id of each row has."""
+        column = batch.column(batch.schema.get_field_index("id"))
+        # The rows of a dictionary may be many and long; they are not unpacked.
+        lengths = self._pyarrow.compute.utf8_length(getattr(column, "dictionary", column))
+        if hasattr(column, "dictionary"):
+            lengths = lengths.take(column.indices)
+        return np.asarray(lengths.fill_null(0).to_numpy(zero_copy_only=False))
 
     def row_bytes(self, first: int, batch: Any) -> int:
         """Return about how many bytes a row takes; long ids are refused."""
@@ -111,26 +156,14 @@ class TargetTable:
             texts = getattr(column, "dictionary", column)
             longest = self._pyarrow.compute.max(self._pyarrow.compute.binary_length(texts))
             if (longest.as_py() or 0) > CHUNK_BYTES // DEFAULT_CHUNK:
-                for k, text in enumerate(texts.to_pylist()):
-                    if text is not None:
-                        row = self._row_of(column, texts, k)
-                        check_text(text, f"row {first + row + 1}, column 'id'", self._refuse)
-                        letters = max(letters, len(text))
+                refuse_rows(self._long(first, batch), self._refuse)
+                letters = int(np.max(self._letters(batch), initial=0))
         return 4 * letters
-
-    def _row_of(self, column: Any, texts: Any, k: int) -> int:
-        if texts is column:
-            return k
-        found = self._pyarrow.compute.index(column.indices, k).as_py()
-        return max(int(found), 0)
 
     def _ids(self, first: int, batch: Any) -> NDArray[Any]:
         if not self.has_ids:
             return np.arange(first + 1, first + batch.num_rows + 1, dtype=np.int64)
         column = batch.column(batch.schema.get_field_index("id"))
-        if column.null_count:
-            row = first + int(np.argmax(column.is_null().to_numpy(zero_copy_only=False))) + 1
-            raise self._refuse(f"row {row}, column 'id': is empty")
         if self.has_text_ids:
             return np.array(column.to_pylist(), dtype=np.str_)
         if self._pyarrow.types.is_dictionary(column.type):
@@ -175,24 +208,33 @@ def number_columns(
     """
     pyarrow = import_pyarrow(refuse)
     double = pyarrow.float64()
+    refuse_rows(_inexact(first, batch, names, pyarrow), refuse)
     values = np.empty((batch.num_rows, len(names)))
     for k, name in enumerate(names):
         column = batch.column(batch.schema.get_field_index(name))
-        if pyarrow.types.is_integer(column.type):
-            _check_exact(first, name, column, refuse)
         values[:, k] = column.cast(double).to_numpy(zero_copy_only=False)
     return values
 
 
-def _check_exact(first: int, name: str, column: Any, refuse: Refusal) -> None:
-    whole = column.fill_null(0).to_numpy(zero_copy_only=False)
-    beyond = (whole > _EXACT) | (whole < -_EXACT if whole.dtype.kind == "i" else False)
-    if beyond.any():
-        at = int(np.argmax(beyond))
-        raise refuse(
-            f"row {first + at + 1}, column '{name}': expected a number that float64 "
-            f"holds, at most 2**53, got {whole[at]}"
-        )
+def _inexact(first: int, batch: Any, names: tuple[str, ...], pyarrow: Any) -> list[FaultyRows]:
+    """Return the rows whose whole numbers float64 does not hold."""
+    found: list[FaultyRows] = []
+    for name in names:
+        column = batch.column(batch.schema.get_field_index(name))
+        if not pyarrow.types.is_integer(column.type):
+            continue
+        whole = column.fill_null(0).to_numpy(zero_copy_only=False)
+        beyond = (whole > _EXACT) | (whole < -_EXACT if whole.dtype.kind == "i" else False)
+        if beyond.any():
+
+            def word(row: int, name: str = name, whole: Any = whole) -> str:
+                return (
+                    f"row {row}, column '{name}': expected a number that float64 "
+                    f"holds, at most 2**53, got {whole[row - first - 1]}"
+                )
+
+            found.append((first + 1 + np.flatnonzero(beyond), word))
+    return found
 
 
 class ResultTable:

@@ -13,7 +13,7 @@ from ._columns import ColumnError, match_columns
 from ._csv_rows import Block, CsvRows
 from ._errors import TargetFileError
 from ._extras import Extra, column_of
-from ._ids import check_text
+from ._ids import check_texts
 from ._reader import CHUNK_BYTES, DEFAULT_CHUNK, TargetReader
 from ._records import TargetChunk
 
@@ -38,7 +38,7 @@ class CsvReader(TargetReader):
         # What a column holds is known when the last row is read: it is passed on as it is written.
         self.extras = tuple(Extra(name, "text") for name in self._columns.ignored if name)
         self._more = [names.index(extra.name) for extra in self.extras]
-        if not rows.block(1, 1, [], [])[2]:
+        if not rows.any_row(self._numeric, [*self._texts, *self._more]):
             raise TargetFileError(path, "no targets after the header")
         self.is_pose = self._columns.orientation is not None
         self.has_text_ids = bool(self._texts)
@@ -66,6 +66,5 @@ class CsvReader(TargetReader):
         _, texts, lines = block
         if not self._texts:
             return np.arange(first + 1, first + len(lines) + 1, dtype=np.int64)
-        for at, (text, line) in enumerate(zip(texts[0], lines, strict=True)):
-            check_text(text, f"row {first + at + 1} (line {line}), column 'id'", self._refuse)
+        check_texts(texts[0], lambda at: f"row {first + at + 1} (line {lines[at]})", self._refuse)
         return np.array(texts[0], dtype=np.str_)

@@ -1,4 +1,4 @@
-"""Errors of target and result files; each carries the file and a one-line reason."""
+"""Errors of target and result files; each carries the file and the reason."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class DataFileError(AgrikError, ValueError):
     path : Path
         The file.
     reason : str
-        What is wrong, with row and column where they are known.
+        What is wrong, with row and column where they are known; of several rows a line each.
 
     Examples
     --------

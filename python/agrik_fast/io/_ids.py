@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._files import Refusal
+from ._row_faults import RowFaults, refuse_rows
 
 ID_LETTERS = 1000
 """Longest id. All ids of a chunk are as wide as its longest."""
@@ -28,8 +30,23 @@ def check_width(dtype: np.dtype[Any], place: str, refuse: Refusal) -> None:
 def check_text(text: str, place: str, refuse: Refusal) -> str:
     """Return an id that is text, if it is not too long."""
     if len(text) > ID_LETTERS:
-        raise refuse(f"{place}: {len(text)} letters, expected at most {ID_LETTERS}")
+        raise refuse(too_long(place, len(text)))
     return text
+
+
+def check_texts(texts: Sequence[str], row: Callable[[int], str], refuse: Refusal) -> None:
+    """Refuse ids that are too long; `row` names the row of the one at a place."""
+    faults = RowFaults()
+    for at, text in enumerate(texts):
+        if len(text) > ID_LETTERS:
+            faults.add(too_long(f"{row(at)}, column 'id'", len(text)))
+    if faults:
+        raise refuse(str(faults))
+
+
+def too_long(place: str, letters: int) -> str:
+    """Return what is wrong with an id of so many letters."""
+    return f"{place}: {letters} letters, expected at most {ID_LETTERS}"
 
 
 def checked(ids: NDArray[Any], first: int, refuse: Refusal) -> NDArray[Any]:
@@ -42,16 +59,16 @@ def checked(ids: NDArray[Any], first: int, refuse: Refusal) -> NDArray[Any]:
     """
     if ids.dtype.kind in "iu":
         if ids.dtype.kind == "u":
-            _refuse_first(ids > _LARGEST, first, "is beyond 2**63 - 1", refuse)
+            _refuse_rows(ids > _LARGEST, first, "is beyond 2**63 - 1", refuse)
         return ids.astype(np.int64)
     if ids.dtype.itemsize:
         codes = np.ascontiguousarray(ids).view(np.uint32).reshape(len(ids), -1)
         low, high = _SURROGATES
         wrong = (codes > _LAST) | ((codes >= low) & (codes <= high))
-        _refuse_first(wrong.any(axis=1), first, "is no text", refuse)
+        _refuse_rows(wrong.any(axis=1), first, "is no text", refuse)
     return ids
 
 
-def _refuse_first(wrong: Any, first: int, message: str, refuse: Refusal) -> None:
-    if wrong.any():
-        raise refuse(f"row {first + int(np.argmax(wrong)) + 1}, 'id': {message}")
+def _refuse_rows(wrong: Any, first: int, message: str, refuse: Refusal) -> None:
+    rows = first + 1 + np.flatnonzero(wrong)
+    refuse_rows([(rows, lambda row: f"row {row}, 'id': {message}")], refuse)

@@ -16,6 +16,7 @@ from ._extras import ArrowExtras
 from ._parquet import WHAT, check_parquet_sizes, open_parquet
 from ._reader import DEFAULT_CHUNK, TargetReader, rows_within
 from ._records import TargetChunk
+from ._row_faults import RowFaults
 
 
 class ParquetReader(TargetReader):
@@ -53,10 +54,29 @@ class ParquetReader(TargetReader):
                     batch = next(batches, None)
                 if batch is None:
                     break
-                yield from self._batch(first, batch)
+                try:
+                    yield from self._batch(first, batch)
+                except TargetFileError:
+                    self._tell_rows()
+                    raise
                 first += batch.num_rows
         if first != self.count:
             raise self._refuse(f"claims {self.count} rows, has {first}")
+
+    def _tell_rows(self) -> None:
+        """Raise what is wrong with rows, of the whole file, if anything is."""
+        faults, first = RowFaults(), 0
+        # Damage is told by what was raised before.
+        with (
+            contextlib.suppress(TargetFileError),
+            contextlib.closing(open_parquet(self.path, self._refuse)) as file,
+            reading(self._refuse, WHAT),
+        ):
+            for batch in file.iter_batches(DEFAULT_CHUNK, columns=list(self._table.names)):
+                faults.add_rows(self._table.row_faults(first, batch))
+                first += batch.num_rows
+        if faults:
+            raise self._refuse(str(faults))
 
     def _batch(self, first: int, batch: Any) -> Iterator[TargetChunk]:
         """Yield a batch, in pieces where its ids are long."""

@@ -16,7 +16,7 @@ from .._npy import Archive, read_array
 from ._csv_rows import CsvRows
 from ._errors import ResultFileError
 from ._extras import Extra, column_of, kind_of
-from ._ids import check_text, check_width, checked
+from ._ids import check_text, check_texts, check_width, checked
 from ._parquet import WHAT, check_parquet_sizes, open_parquet
 from ._reader import CHUNK_BYTES
 from ._records import (
@@ -28,6 +28,7 @@ from ._records import (
     ResultLayout,
     SceneColumns,
 )
+from ._row_faults import RowFaults
 
 Columns = dict[str, NDArray[Any]]
 _NO_RESULT = "is not a result file"
@@ -168,11 +169,15 @@ def _csv(path: Path, refuse: Refusal) -> Read:
 
 
 def _words(name: str, texts: list[str], lines: list[int], refuse: Refusal) -> NDArray[Any]:
-    for text, line in zip(texts, lines, strict=True):
-        if name == "id":
-            check_text(text, f"line {line}, 'id'", refuse)
-        elif name in _WORDS and text not in _WORDS[name]:
-            raise refuse(f"line {line}, '{name}': expected one of {', '.join(_WORDS[name])}")
+    if name == "id":
+        check_texts(texts, lambda at: f"line {lines[at]}", refuse)
+    elif name in _WORDS:
+        faults = RowFaults()
+        for text, line in zip(texts, lines, strict=True):
+            if text not in _WORDS[name]:
+                faults.add(f"line {line}, '{name}': expected one of {', '.join(_WORDS[name])}")
+        if faults:
+            raise refuse(str(faults))
     return _column(name, texts)
 
 

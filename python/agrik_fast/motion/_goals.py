@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +11,9 @@ from .._checks import FloatArray, finite_array, float_array, shown, whole_number
 from ..collision import Scene
 from ..errors import ArgumentError
 from ..robot import Robot
+
+if TYPE_CHECKING:
+    from ..solvers import Solver
 
 __all__ = ["Prefer", "goals_of", "postures"]
 
@@ -31,6 +34,7 @@ def goals_of(
     task: Literal["pose", "position"] = "pose",
     starts: int = _STARTS,
     seed: int = 0,
+    solver: Solver | str = "lm",
 ) -> tuple[FloatArray, bool]:
     """Find all postures that reach one of some targets.
 
@@ -49,6 +53,8 @@ def goals_of(
         Random starts of a search, for each target.
     seed : int, default 0
         Which starts are drawn.
+    solver : str or solver, default "lm"
+        Solver of the searches, as for `Robot.ik`.
 
     Returns
     -------
@@ -85,32 +91,34 @@ def goals_of(
         if not np.isfinite(pose).all():
             continue
         if task == "pose":
-            q, within = _of_pose(arm, pose, starts, seed)
+            q, within = _of_pose(arm, pose, starts, seed, solver)
         else:
-            q, within = _searched(arm, pose, task, starts, seed)
+            q, within = _searched(arm, pose, task, starts, seed, solver)
         reached |= within
         found.append(q)
     return _distinct(np.concatenate([np.zeros((0, arm.dof)), *found])), reached
 
 
-def _of_pose(arm: Robot, pose: FloatArray, starts: int, seed: int) -> tuple[FloatArray, bool]:
+def _of_pose(
+    arm: Robot, pose: FloatArray, starts: int, seed: int, solver: Solver | str
+) -> tuple[FloatArray, bool]:
     try:
         every = arm.ik_all(pose, sweep=_SWEEP)
     except ArgumentError:
         try:
             every = arm.ik_all(pose)
         except ArgumentError:
-            return _searched(arm, pose, "pose", starts, seed)
+            return _searched(arm, pose, "pose", starts, seed, solver)
     return np.asarray(every.q[every.valid]), bool(every.reached.any())
 
 
 def _searched(
-    arm: Robot, target: FloatArray, task: str, starts: int, seed: int
+    arm: Robot, target: FloatArray, task: str, starts: int, seed: int, solver: Solver | str
 ) -> tuple[FloatArray, bool]:
     """Return what searches from random starts end in."""
     first = arm.random_q(starts, seed=seed)
     many = np.broadcast_to(target, (starts, *target.shape))
-    tried = arm.ik(many, task, q0=first, seed=seed)
+    tried = arm.ik(many, task, solver=solver, q0=first, seed=seed)
     q = np.asarray(tried.q[tried.success])
     return q, len(q) > 0
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks import float_array, shown, text, whole_number, word
+from .._names import solver_names
 from ..collision import Scene
 from ..errors import ArgumentError
 from ..robot import LOOKS, Look, Robot
@@ -163,6 +164,7 @@ def view(
     targets: ArrayLike | None = None,
     path: str | PathLike[str] | None = None,
     q: ArrayLike | None = None,
+    solver: str = "lm",
     show: Look = "auto",
     host: str = "127.0.0.1",
     port: int = 8080,
@@ -182,6 +184,8 @@ def view(
         A file of targets to follow, or of postures from ``agrik-fast solve``, to play.
     q : array_like, shape (dof,), rad or m, optional
         Posture at first; by default one with room to all limits.
+    solver : str, default "lm"
+        Solver at first, by its name.
     show : {"auto", "chain", "bodies", "visuals"}, default "auto"
         What the arm is shown as, see `Robot.surfaces`.
     host : str, default "127.0.0.1"
@@ -220,8 +224,11 @@ def view(
     whole_number("port", port, 0, _LARGEST_PORT)
     surroundings = load_scene(scene)
     session = Session(arm, source, surroundings)
+    session.solver = word("solver", solver, solver_names())
     if q is not None:
         session.move_joints(posture(arm, q))
+    elif solver != "lm":
+        session.aim(session.target, remember=False)
     way = None if path is None else Path(path)
     server = open_server(host, port)
     try:
