@@ -41,6 +41,9 @@ _LEAST_FILL = 0.3
 # One that is red all over is a fruit nevertheless, as in a cluster of which not all were found.
 _RING, _MOST_BEYOND = (1.1, 1.35), 0.05
 _ALL_RED = 0.96
+# A centre so far inside a better circle, by its radius, is no fruit. Nearer to its outline it may
+# be one that touches it, as exactly as both are seen.
+_NESTED = 0.9
 
 
 class DetectionStatus(IntEnum):
@@ -555,11 +558,12 @@ def _off_ellipse(
 
 
 def _without_nested(found: list[Detection]) -> list[Detection]:
-    """Return detections, the best first, without those whose centre lies inside a better one."""
+    """Return detections, the best first, without those whose centre lies well inside a better."""
     kept: list[Detection] = []
     for each in sorted(found, key=lambda d: (d.status == DetectionStatus.WEAK, -d.score)):
         if all(
-            math.acos(float(np.clip(each.axis @ other.axis, -1, 1))) > other.alpha for other in kept
+            math.acos(float(np.clip(each.axis @ other.axis, -1, 1))) > _NESTED * other.alpha
+            for other in kept
         ):
             kept.append(each)
     return kept
