@@ -22,7 +22,8 @@ RUST_SOURCES := $(wildcard Cargo.toml Cargo.lock) $(shell find rust -name '*.rs'
 .DELETE_ON_ERROR:
 .PHONY: help run test lint format bench callgrind aarch64 sanitize miri wheel docs clean build oracle \
 	firmware rigs rigs-full browser gradients vision-full motion-full branches branches-sample \
-	damaged fuzz-arms fuzz-sample robustness rust-lint rust-test python-lint python-test
+	damaged fuzz-arms fuzz-sample robustness rust-checks rust-lint rust-test \
+	python-checks python-lint python-test
 
 help: ## say what every target does
 	@echo 'agrik_fast: `make run` and `make test` need only Rust, Python >= 3.11 and PyPI.'
@@ -33,7 +34,9 @@ run: build ## solve the example targets of every robot, write and check the resu
 	$(PY) examples/field_jobs.py
 	$(PY) examples/play_line.py
 
-test: rust-lint rust-test python-lint python-test ## every check but the oracle: linters, types, Rust and Python tests
+# Two queues side by side, as in .ci/run: what needs the release build, and what needs none.
+test: $(VENV)/.pip ## every check but the oracle: linters, types, Rust and Python tests
+	$(MAKE) --jobs 2 --output-sync=line rust-checks python-checks
 
 lint: rust-lint python-lint ## formatting, clippy, ruff, mypy and stubtest, without the tests
 
@@ -78,9 +81,10 @@ browser: build $(VENV)/.dev ## the viewer in Chromium (sets itself up on Debian 
 	.ci/browser
 	AGRIK_BROWSER=1 $(PY) -m pytest -m browser
 
-vision-full: build $(VENV)/.dev ## the detector on 2,000 renders, the loop before 20 fruits, stereo to harvest
+vision-full: build $(VENV)/.dev ## the detector on 2,000 renders, the loop before 20 fruits, the chain, stereo to harvest
 	PYTHONPATH=tests $(PY) tests/vision_renders.py --renders 2000
 	PYTHONPATH=tests $(PY) tests/pointing_full.py --fruits 20
+	PYTHONPATH=tests $(PY) tests/vision_chain.py --renders 100
 	AGRIK_ALL_SCENES=1 $(PY) -m pytest --timeout 600 tests/vision/test_stereo_harvest.py
 
 motion-full: build $(VENV)/.dev ## 10,000 paths before a judge of plain NumPy; the large samples of proofs
@@ -135,6 +139,14 @@ gradients: build wheel $(GRADIENTS)/.done ## tensors and gradients of torch and 
 	$(GRADIENTS)/bin/python -m pytest tests/gradients
 
 # ---- the parts of `make test` ----------------------------------------------------------------
+
+rust-checks:
+	$(MAKE) rust-lint
+	$(MAKE) rust-test
+
+python-checks:
+	$(MAKE) python-lint
+	$(MAKE) python-test
 
 # PyO3 asks an interpreter for its version, so the environment comes first.
 rust-lint: $(VENV)/.pip

@@ -33,12 +33,14 @@ def draw(
     floors: Sequence[Sequence[str]],
     arrows: layout.Arrows,
     wrong: Callable[[str, str], bool],
+    wide: float,
 ) -> None:
-    """Draw the names as boxes on their floors, and the arrows between them."""
+    """Draw the names as boxes on their floors, and the arrows between them; wide in boxes."""
     at = places(floors)
     across = [x for x, _ in at.values()]
-    axes.set_xlim(min(across) - WIDTH, max(across) + WIDTH)
-    axes.set_ylim(-0.6 * ROW, ROW * (len(floors) - 0.4))
+    middle = (min(across) + max(across)) / 2
+    axes.set_xlim(middle - WIDTH * wide / 2, middle + WIDTH * wide / 2)
+    axes.set_ylim(-0.8 * ROW, ROW * (len(floors) - 0.3))
     style = {"boxstyle": "round,pad=0.35", "facecolor": BOX, "edgecolor": INSIDE}
     boxes = {
         name: axes.text(x, y, name, ha="center", va="center", bbox=style, zorder=2)
@@ -75,16 +77,21 @@ def draw_rust(file: Path) -> None:
     table = layout.rules("rust")
     panels = [("crates", crates)]
     panels += [(crate, layout.rust_modules(crate)) for crate in crates]
-    floors = [layout.floors(arrows) for _, arrows in panels]
-    widths = [1 + max(map(len, each)) for each in floors]
-    figure, axes = plt.subplots(
-        len(panels),
-        1,
-        figsize=(1.3 * max(widths), 0.9 * sum(len(each) + 1 for each in floors)),
-        height_ratios=[len(each) + 0.5 for each in floors],
-        layout="constrained",
-    )
-    for axis, (title, arrows), levels in zip(axes, panels, floors, strict=True):
+    floors = {title: layout.floors(arrows) for title, arrows in panels}
+    columns = _columns({title: len(each) + 1 for title, each in floors.items()})
+    widths = [
+        1.5 + max(len(floor) for title in each for floor in floors[title]) for each in columns
+    ]
+    tall = max(sum(len(floors[title]) + 1 for title in each) for each in columns)
+    figure = plt.figure(figsize=(0.85 * sum(widths), 0.55 * tall), layout="constrained")
+    sides = figure.add_gridspec(1, len(columns), width_ratios=widths)
+    axes, wide = {}, {}
+    for side, titles, width in zip(sides, columns, widths, strict=True):
+        ratios = [len(floors[title]) + 1 for title in titles]
+        rows = side.subgridspec(len(titles), 1, height_ratios=ratios)
+        for row, title in zip(rows, titles, strict=True):
+            axes[title], wide[title] = figure.add_subplot(row), width
+    for title, arrows in panels:
         # The table has the modules of the core; elsewhere a circle alone is wrong.
         around = {name for group in layout.circles(arrows) for name in group}
         allowed = table.allowed if title == "agrik" else None
@@ -94,8 +101,16 @@ def draw_rust(file: Path) -> None:
                 return target not in allowed(source)
             return source in around and target in around
 
-        draw(axis, title, levels, arrows, wrong)
+        draw(axes[title], title, floors[title], arrows, wrong, wide[title])
     _save(figure, file)
+
+
+def _columns(heights: dict[str, int]) -> list[list[str]]:
+    """Return titles in two columns of about one height: the tallest first, to the shorter one."""
+    columns: list[list[str]] = [[], []]
+    for title in sorted(heights, key=lambda each: -heights[each]):
+        min(columns, key=lambda each: sum(heights[name] for name in each)).append(title)
+    return columns
 
 
 def draw_python(file: Path) -> None:
@@ -106,8 +121,9 @@ def draw_python(file: Path) -> None:
         arrows.pop(name, None)
     floors = [[name for name in layer if name not in table.planned] for layer in table.layers]
     floors = [layer for layer in floors if layer]
+    wide = 1.5 + max(map(len, floors))
     figure, axis = plt.subplots(figsize=(9, 0.85 * len(floors)), layout="constrained")
-    draw(axis, "agrik_fast", floors, arrows, lambda a, b: b not in table.allowed(a))
+    draw(axis, "agrik_fast", floors, arrows, lambda a, b: b not in table.allowed(a), wide)
     _save(figure, file)
 
 

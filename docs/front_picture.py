@@ -46,9 +46,6 @@ def draw_arm(arm: ik.Robot, found: ik.IkResult, file: Path, save: Callable[..., 
         words = {"color": color, "weight": "bold", "fontsize": 14, "zorder": 1000}
         space.text(x + 0.09, y, z - 0.03, LETTERS[row], ha="center", **words)
     frame_box(space, (-0.3, -0.55, 0.0), (1.05, 0.75, 1.0))
-    space.set_xlabel("x [m]")
-    space.set_ylabel("y [m]")
-    space.set_zlabel("z [m]")
     space.view_init(22, -58)
     save(figure, file, dpi=PNG_DPI)
 

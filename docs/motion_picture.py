@@ -30,7 +30,7 @@ def draw_proof(file, save):
 def draw_path(file, save):
     """Draw the tool point's way to a fruit from above and from the side."""
     arm, scene = ik.Robot.load("cucumber"), harvest.example_scene()
-    figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 3.6), layout="constrained")
+    figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 3.0), layout="constrained")
     for name, color in (("C1", GOOD), ("C4", BAD)):
         plan: motion.Plan = harvest.plan(arm, scene, [name], path=True)[name].path
         ways = zip(plan.path[:-1], plan.path[1:], strict=True)
@@ -46,5 +46,5 @@ def draw_path(file, save):
     for axis, which in zip(axes, ("x, into the row", "z, up"), strict=True):
         axis.set(xlabel=label("y, along the row", "m"), ylabel=label(which, "m"), aspect="equal")
     lines, names = axes[0].get_legend_handles_labels()
-    figure.legend(lines, names, loc="outside lower center", ncols=2)
+    figure.legend(lines, names, loc="outside lower center", ncols=4, markerscale=3)
     save(figure, Path(file))

@@ -93,6 +93,7 @@ def frame_box(axis, low, high):
     axis.set_zlim(low[2], high[2])
     axis.set_box_aspect(np.subtract(high, low))
     axis.locator_params(nbins=3)
+    axis.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
 
 
 COLUMNS = 4
@@ -163,7 +164,7 @@ def draw_greenhouse(file, save):
         axis.set_title(f"{words}:\n{what}")
         frame_box(axis, (-0.4, -0.7, 0.2), (1.0, 0.8, 1.9))
         axis.view_init(24, -130)
-    figure.subplots_adjust(left=0.0, right=0.95, bottom=0.03, top=0.92, wspace=0.08)
+    figure.subplots_adjust(left=0.06, right=0.97, bottom=0.03, top=0.92, wspace=0.1)
     save(figure, file, dpi=PNG_DPI)
 
 

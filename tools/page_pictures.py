@@ -74,9 +74,13 @@ def main() -> int:
     parser.add_argument("site", type=Path, help="folder of the pages")
     parser.add_argument("out", type=Path, help="folder for the pictures")
     parser.add_argument("pages", nargs="*", help="only these, such as index or api/robot")
+    parser.add_argument("--dark", action="store_true", help="as who prefers dark pages sees them")
     given = parser.parse_args()
     count = 0
     with chromium() as page:
+        if given.dark:
+            dark = {"name": "prefers-color-scheme", "value": "dark"}
+            page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [dark]})
         for fault in pictures(page.driver, given.site.resolve(), given.out, given.pages):
             print(fault, flush=True)
             count += 1

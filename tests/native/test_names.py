@@ -39,9 +39,9 @@ def test_every_solver_class_has_its_name_in_the_list() -> None:
 
 def test_help_and_docstring_name_every_solver() -> None:
     text = run_command("solve", "--help").stdout
-    (option,) = re.findall(r"--solver.*?\[default: lm\]", text, re.DOTALL)
+    (option,) = re.findall(r"--solver.*?\[default:\s+\(?lm\)?\]", text, re.DOTALL)
     words = re.sub(r"\s+", " ", option).split(" ", 2)[2]
-    listed = re.split(r", | or ", words.partition(".")[0])
+    listed = re.split(r", | or ", re.split(r"[.;]", words)[0])
     assert listed == list(solver_names())
     (entry,) = re.findall(r"solver : solver or a name.*?q0 :", ik.Robot.ik.__doc__ or "", re.DOTALL)
     quoted = re.findall(r'"([\w-]+)"', entry.partition("names are")[2])

@@ -19,6 +19,7 @@ from browser import (
     the_camera,
     wait_for,
 )
+from PIL import Image
 
 import agrik_fast as ik
 from agrik_fast.viewer import Viewer, export_html, view
@@ -56,6 +57,12 @@ def desktop(opened: Page, viewer: Viewer) -> Page:
     while before is None or not np.array_equal(before, viewer.target):
         before = viewer.target
         time.sleep(0.5)
+    # Whatever a test before has left.
+    if viewer.robot.name != "redundant7":
+        panel = viewer._panel
+        panel.worker.submit("robot", lambda: panel._choose_robot("redundant7"))
+        assert panel.worker.settle(60.0)
+    opened.tab("Target")
     viewer.aim(START)
     wait_for(lambda: "CONVERGED" in opened.status, "the status")
     return opened
@@ -117,6 +124,17 @@ def test_a_target_beyond_reach_is_told_in_words_and_colour(desktop: Page, viewer
     viewer.aim(START)
     wait_for(lambda: "CONVERGED" in desktop.status, "the words")
     assert desktop.driver.execute_script(colour) == "rgb(0, 80, 125)"
+
+
+def test_the_keyboard_undoes_and_redoes(desktop: Page, viewer: Viewer) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    before = viewer.target
+    viewer.aim(before[:3, 3] - [0.0, 0.0, 0.03])
+    moved = viewer.target
+    for key, wanted in (("z", before), ("y", moved)):
+        desktop.driver.switch_to.active_element.send_keys(Keys.CONTROL, key, Keys.NULL)
+        wait_for(lambda wanted=wanted: np.allclose(viewer.target, wanted), f"Ctrl-{key}")
 
 
 def test_branches_by_the_keyboard(desktop: Page, viewer: Viewer) -> None:
@@ -209,16 +227,39 @@ def test_what_is_taken_away(desktop: Page, viewer: Viewer) -> None:
     assert np.abs(names["result"].q - viewer.q).max() < 1e-6
 
 
+def test_files_are_saved(desktop: Page, viewer: Viewer, tmp_path: Path) -> None:
+    allowed = {"behavior": "allow", "downloadPath": str(tmp_path)}
+    desktop.driver.execute_cdp_cmd("Browser.setDownloadBehavior", allowed)
+    desktop.tab("Export")
+    for label, name in (
+        ("target and joint values (CSV)", "arm.csv"),
+        ("picture (PNG)", "arm.png"),
+        ("page without a server (HTML)", "arm.html"),
+    ):
+        desktop.button(label)
+        wait_for(lambda name=name: (tmp_path / name).exists(), name, 60.0)
+    last = (tmp_path / "arm.csv").read_text(encoding="utf-8").splitlines()[1]
+    assert [float(x) for x in last.split(",")[6:]] == viewer.q.tolist()
+    picture = np.asarray(Image.open(tmp_path / "arm.png").convert("RGB")).astype(int)
+    # An arm, on white.
+    assert picture.max() == 255
+    assert ((picture.max(axis=2) - picture.min(axis=2)) > 60).sum() > 500
+
+
 def test_the_time_from_drag_to_text(desktop: Page, viewer: Viewer) -> None:
-    desktop.tab("Target")
     times = drag_times(desktop, viewer, moves=7)
     # What a hand waits for: the benchmark prints how short it is, here it must not be long.
     assert np.median(times) <= 2.0, times
 
 
-def test_on_a_phone_the_arm_is_in_view_and_a_finger_drags(page: Page, viewer: Viewer) -> None:
+@pytest.mark.parametrize("name", ["redundant7", "panda"])
+def test_on_a_phone_the_arm_is_in_view_and_a_finger_drags(page: Page, name: str) -> None:
     page.size(*PHONE, phone=True)
-    viewer.aim(START)
+    with view(name, port=0, open_browser=False) as viewer:
+        by_a_finger(page, viewer)
+
+
+def by_a_finger(page: Page, viewer: Viewer) -> None:
     page.open(viewer.url)
     wait_for(lambda: "CONVERGED" in page.status, "the status")
     canvas = page.find("canvas")[0]
@@ -231,6 +272,11 @@ def test_on_a_phone_the_arm_is_in_view_and_a_finger_drags(page: Page, viewer: Vi
     )
     assert page.driver.execute_script(script) <= 0.4 * PHONE[1]
     before = viewer.target
+    stage, camera = viewer._panel.stage, the_camera(viewer)
+    assert stage.handle.scale == pytest.approx(1.5 * stage.handle_size())
+    for point in (*viewer.robot.frames_of(viewer.q)[:, :3, 3], *stage.handle_tips(before)):
+        x, y = project(camera, point)
+        assert 0 < x < PHONE[0] and 0 < y < PHONE[1]
     drag_axis(page, viewer, 0, 0.05, touch=True)
     wait_for(lambda: not np.array_equal(viewer.target, before), "another target")
     viewer._panel.worker.settle(30.0)

@@ -2,12 +2,15 @@
 
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from browser import project
 
 import agrik_fast as ik
 from agrik_fast.collision import Scene, SceneObject, Sphere
+from agrik_fast.viewer._camera import FIELD_OF_VIEW, viewpoint
 from agrik_fast.viewer._reach import HALF, reach
 from agrik_fast.viewer._session import Session, comfortable
 from agrik_fast.viewer._words import headline, joints_at_limits, length
@@ -29,6 +32,26 @@ def test_every_robot_begins_well_inside_its_limits(name: str) -> None:
     assert (found.q > robot.lower).all() and (found.q < robot.upper).all()
     assert np.abs(robot.fk(found.q) - found.target).max() < 1e-9
     assert not found.outcome.hits
+
+
+@pytest.mark.parametrize(("width", "height"), [(1000, 640), (390, 844)], ids=["desk", "phone"])
+@pytest.mark.parametrize("name", NAMES)
+def test_arm_and_handle_are_in_the_picture(name: str, width: int, height: int) -> None:
+    found = session(name)
+    arm = found.robot.frames_of(found.q)[:, :3, 3]
+    tips = found.target[:3, 3] + 0.3 * found.robot.reach_radius * np.eye(3)
+    position, look_at = viewpoint(arm, tips, 0.1, width / height)
+    camera = SimpleNamespace(
+        position=position,
+        look_at=look_at,
+        up_direction=[0.0, 0.0, 1.0],
+        fov=FIELD_OF_VIEW,
+        image_width=width,
+        image_height=height,
+    )
+    for point in (*arm, *tips):
+        x, y = project(camera, point)
+        assert 0 < x < width and 0 < y < height
 
 
 def test_a_posture_at_first_keeps_clear_of_the_scene() -> None:

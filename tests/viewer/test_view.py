@@ -5,11 +5,11 @@ import socket
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from hands import press
 
 import agrik_fast as ik
 from agrik_fast.arms import StrawberryArm
@@ -19,22 +19,11 @@ from agrik_fast.viewer._ways import picking, postures
 from rigs import needs_simulator
 from urdf_text import joint, urdf
 
-FROM_A_PERSON = SimpleNamespace(client=object(), phase="update")
-
 
 @pytest.fixture
 def viewer() -> Iterator[Viewer]:
     with view("redundant7", port=0, open_browser=False) as shown:
         yield shown
-
-
-def press(viewer: Viewer, widget: Any, value: Any = None) -> None:
-    """Do to a widget what a browser does: set its value, tell its call-backs, and wait."""
-    if value is not None:
-        widget.value = value
-    for callback in widget._impl.update_cb:
-        callback(SimpleNamespace(client=object(), target=widget))
-    assert viewer._panel.worker.settle(60)
 
 
 def test_the_arm_is_drawn_where_it_is(viewer: Viewer) -> None:

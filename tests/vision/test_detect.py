@@ -255,12 +255,39 @@ def test_photographs_of_debian_where_they_are(name: str) -> None:
     data = gzip.decompress(file.read_bytes()) if file.suffix == ".gz" else file.read_bytes()
     image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
     # Neither shows a fruit that may be approached: the apple is no ball and cut up by highlights.
-    for factor in (1.0, 0.75, 0.5):
+    for factor in (1.0, 0.75, 0.5, 0.4):
         scaled = cv2.resize(image, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA)
         camera = Camera.of_view(scaled.shape[1], scaled.shape[0], 60)
         found = Detector(camera).detect(scaled)
         assert found
         assert all(each.status != DetectionStatus.OK for each in found)
+
+
+def test_small_circles_are_weak() -> None:
+    y, x = np.mgrid[:240, :320]
+    far = np.hypot(x - 160, y - 120)
+    for radius, expected in ((6.0, DetectionStatus.WEAK), (10.0, DetectionStatus.OK)):
+        mask = np.where(far < radius, 255, 0).astype(np.uint8)
+        (found,) = Detector(CAMERA).in_mask(mask)
+        assert found.status == expected
+        assert abs(found.radius_px - radius) < 0.6
+        (found,) = Detector(CAMERA, least_radius_px=4.0).in_mask(mask)
+        assert found.status == DetectionStatus.OK
+    # A picture's border does not make a small one any better.
+    mask = np.where(np.hypot(x, y - 120) < 7, 255, 0).astype(np.uint8)
+    assert all(each.status == DetectionStatus.WEAK for each in Detector(CAMERA).in_mask(mask))
+
+
+def test_what_a_cone_over_two_fruits_took_is_looked_at_again() -> None:
+    # The first draws of this cluster make a cone over two of its fruits: too little was left of
+    # the fourth, which is more than half in view.
+    picture = render(random_scene("cluster", 1083), CAMERA)
+    found = Detector(CAMERA).detect(picture.image)
+    assert [each.status for each in found] == [DetectionStatus.OK] * 4
+    for truth in picture.fruits:
+        nearest = min(found, key=lambda d: float(np.hypot(*(d.uv - truth.uv))))
+        assert np.hypot(*(nearest.uv - truth.uv)) < 1.2
+        assert abs(np.sin(nearest.alpha) / np.sin(truth.angular_radius) - 1) < 0.03
 
 
 def ragged(wide: float) -> np.ndarray:

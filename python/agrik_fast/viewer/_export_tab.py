@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ._export import page
-from ._panel import Panel
+from ._panel import Panel, send_file
 from ._path_tab import PathTab
 
 _PICTURE = (900, 1200)
@@ -39,10 +39,6 @@ class ExportTab:
         self._script.content = script_box(self._panel.session.python())
         self._script.visible = True
 
-    def _send(self, event: Any, name: str, content: bytes) -> None:
-        if event.client is not None:
-            event.client.send_file_download(name, content)
-
     def _picture(self, event: Any) -> None:
         if event.client is None:
             return
@@ -50,18 +46,18 @@ class ExportTab:
         # A picture may not be larger than the window that draws it.
         height, width = min(camera.image_height, _PICTURE[0]), min(camera.image_width, _PICTURE[1])
         pixels = event.client.get_render(height, width, transport_format="png", timeout=30.0)
-        self._send(event, "arm.png", png(pixels))
+        send_file(event, "arm.png", png(pixels))
 
     def _page(self, event: Any) -> None:
         way = self._path.way
         rows = None if way is None else way.q
         text = page(self._panel.server, self._panel.stage, self._panel.session, rows)
-        self._send(event, "arm.html", text.encode())
+        send_file(event, "arm.html", text.encode())
 
     def _table(self, event: Any) -> None:
         session, way = self._panel.session, self._path.way
         rows = session.q[None] if way is None else way.q
-        self._send(event, "arm.csv", table(session.robot, rows))
+        send_file(event, "arm.csv", table(session.robot, rows))
 
 
 # A page that came from another machine has no clipboard: there the selection is copied.

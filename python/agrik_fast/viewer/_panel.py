@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import AgrikError
 from ..robot import LOOKS, Look, Robot
+from ._camera import viewpoint
 from ._session import TASKS, Branch, Session, solvers
 from ._stage import Stage
 from ._worker import Worker
@@ -21,6 +22,7 @@ _TEXT_EVERY = 0.05
 _FIELDS_EVERY = 0.3
 _PHONE = 600
 """Pictures narrower than this are those of telephones, px."""
+_WIDE = 1.5
 _FIELDS = ("x [m]", "y [m]", "z [m]", "roll [deg]", "pitch [deg]", "yaw [deg]")
 # Dark enough to be read on white: contrast 7.2 and 5.9.
 _WORD_COLOURS = {True: "#00507d", False: "#a84300"}
@@ -152,23 +154,31 @@ class Panel:
             raise
 
     def _look_at_arm(self) -> None:
+        clients = [client.camera for client in self.server.get_clients().values()]
+        for camera in (self.server.initial_camera, *clients):
+            self._aim_camera(camera)
+
+    def _aim_camera(self, camera: Any) -> None:
+        """Have a camera look at arm and handle; of a picture not yet known: a wide one."""
         robot = self.session.robot
-        points = robot.frames_of(self.session.q)[:, :3, 3]
-        centre = (points.min(axis=0) + points.max(axis=0)) / 2
-        away = 1.5 * max(float(np.ptp(points, axis=0).max()), 0.5 * robot.reach_radius)
-        position = centre + away * np.array([0.85, -0.85, 0.55])
-        for camera in (
-            self.server.initial_camera,
-            *(client.camera for client in self.server.get_clients().values()),
-        ):
-            camera.position = tuple(position.tolist())
-            camera.look_at = tuple(centre.tolist())
+        arm = robot.frames_of(self.session.q)[:, :3, 3]
+        width = getattr(camera, "image_width", 0)
+        aspect = width / camera.image_height if width else _WIDE
+        tips = self.stage.handle_tips(self.session.target)
+        place, middle = viewpoint(arm, tips, 0.5 * robot.reach_radius, aspect)
+        camera.position = tuple(place.tolist())
+        camera.look_at = tuple(middle.tolist())
 
     def _connected(self, client: Any) -> None:
         if client.camera.image_width < _PHONE:
-            # A finger is wider than the tip of a mouse's arrow.
-            self.scale = 1.5
-            self.stage.handle.scale = self.scale * self.stage.handle_size()
+            number = client.client_id
+            self.worker.submit(f"phone {number}", lambda: self._suit_phone(client.camera))
+
+    def _suit_phone(self, camera: Any) -> None:
+        # A finger is wider than the tip of a mouse's arrow.
+        self.scale = 1.5
+        self.stage.handle.scale = self.scale * self.stage.handle_size()
+        self._aim_camera(camera)
 
     def _joint_sliders(self) -> None:
         for slider in self._joints:
@@ -354,3 +364,9 @@ class Panel:
 def _why(session: Session) -> str:
     outcome = session.outcome
     return outcome.nearness if outcome.reached and outcome.hits else outcome.headline
+
+
+def send_file(event: Any, name: str, content: bytes) -> None:
+    """Have the browser that asked save a file."""
+    if event.client is not None:
+        event.client.send_file_download(name, content, save_immediately=True)

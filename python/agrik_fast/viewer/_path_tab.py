@@ -17,6 +17,8 @@ from ._ways import PICKING, Way, circle, follow, line, picking, read_way
 
 _RATE = 25.0
 """Postures per second at speed 1."""
+_DRAWN = 60.0
+"""Pictures per second at most: faster ways leave postures out."""
 _MARKS = 12
 _LINE = (0.0, 0.2, 0.0)
 
@@ -201,10 +203,12 @@ class PathTab:
             if way is None or bar is None or bar.value >= len(way.q):
                 self._playing.clear()
                 continue
-            number = bar.value + 1
+            rate = _RATE * self._speed.value
+            step = int(np.ceil(rate / _DRAWN))
+            number = min(bar.value + step, len(way.q))
             bar.value = number
             self._panel.worker.submit("scrub", functools.partial(self._show, number))
-            self._ended.wait(1.0 / (_RATE * self._speed.value))
+            self._ended.wait(step / rate)
 
     def _show(self, number: int) -> None:
         way = self.way

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..collision import Scene, SceneObject, Sphere
 from ..robot import LOOKS
-from ._panel import Panel
+from ._panel import Panel, send_file
 
 
 class SceneTab:
@@ -87,9 +87,9 @@ class SceneTab:
 
     def _read(self) -> None:
         given = self._load.value
-        suffix = Path(given.name).suffix.lower()
+        name = Path(given.name)
         with tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / f"scene{suffix}"
+            file = Path(folder) / f"{name.stem}{name.suffix.lower()}"
             file.write_bytes(given.content)
             self._take(Scene.load(file))
 
@@ -98,5 +98,4 @@ class SceneTab:
 
         scene = self._panel.session.scene or Scene()
         content = json.dumps(document_of(scene), indent=1).encode()
-        if event.client is not None:
-            event.client.send_file_download("scene.json", content)
+        send_file(event, "scene.json", content)

@@ -100,9 +100,8 @@ def _joined(
     return vertices, faces.astype(np.int32)
 
 
-def wxyz(rotation: FloatArray) -> FloatArray:
-    """Return the unit quaternion of a rotation, scalar first, as browsers want it."""
+def wxyz(rotations: FloatArray) -> FloatArray:
+    """Return the unit quaternions of rotations, scalar first, as browsers want them."""
     from ..rotations import quat_of
 
-    x, y, z, w = quat_of(rotation).tolist()
-    return np.array([w, x, y, z])
+    return np.roll(quat_of(rotations), 1, axis=-1)

@@ -114,6 +114,12 @@ class Stage:
         """Return the size of the target's handle, m."""
         return float(np.clip(0.22 * self._robot.reach_radius, 0.08, 0.5))
 
+    def handle_tips(self, pose: FloatArray) -> FloatArray:
+        """Return how far the handle goes at a pose, shape (6, 3), m."""
+        axes = self.handle.scale * pose[:3, :3].T
+        tips: FloatArray = pose[:3, 3] + np.concatenate([axes, -axes])
+        return tips
+
     def _mesh(self, name: str, mesh: Mesh, colour: Any = None, opacity: float | None = None) -> Any:
         return self._scene.add_mesh_simple(
             name,
@@ -140,9 +146,10 @@ class Stage:
             self._place(self._ghost_frames, q)
 
     def _place(self, frames: Sequence[Any], q: FloatArray) -> None:
-        for handle, pose in zip(frames, self._robot.frames_of(q), strict=True):
+        poses = self._robot.frames_of(q)
+        for handle, pose, turn in zip(frames, poses, wxyz(poses), strict=True):
             handle.position = pose[:3, 3]
-            handle.wxyz = wxyz(pose[:3, :3])
+            handle.wxyz = turn
 
     def drawn(self) -> FloatArray:
         """Return the frames as they are drawn, shape (links + 1, 4, 4), m."""

@@ -57,7 +57,7 @@ class DetectionStatus(IntEnum):
     """Fit to approach."""
 
     WEAK = 1
-    """Reported, never approached: too little outline, too little red, or not round."""
+    """Reported, never approached: too little outline, too little red, too small or not round."""
 
     EDGE = 2
     """The picture's border cuts it: the position holds, the size less so; not approached."""
@@ -194,6 +194,9 @@ class Detector:
         Share of red inside that ``OK`` needs.
     least_score : float, default 0.12
         Score that ``OK`` needs; choose it on photographs of your own.
+    least_radius_px : float, default 8.0, pixels
+        Radius that ``OK`` and ``EDGE`` need: of a smaller circle half a pixel of outline is more
+        than 6 % of the distance, and specks of red are as round.
 
     Raises
     ------
@@ -219,6 +222,7 @@ class Detector:
         least_cover: float = 0.38,
         least_fill: float = 0.5,
         least_score: float = 0.12,
+        least_radius_px: float = 8.0,
     ) -> None:
         self.camera = of_kind("camera", camera, Camera)
         if (radius is None) != (distance is None):
@@ -233,6 +237,7 @@ class Detector:
         self.least_cover = real_number("least_cover", least_cover, 0, 1)
         self.least_fill = real_number("least_fill", least_fill, 0, 1)
         self.least_score = real_number("least_score", least_score, 0, 1)
+        self.least_radius_px = real_number("least_radius_px", least_radius_px, 0, unit="pixels")
 
     def detect(self, image: Image) -> list[Detection]:
         """Return the fruits of a picture, the best first; empty where there are none.
@@ -339,16 +344,41 @@ class Detector:
         pixels = outline[inside].astype(np.float64)
         if len(pixels) < 6:
             return []
-        rays = left = camera.rays(pixels)
+        rays = camera.rays(pixels)
+        found, sure, again = self._peeled(mask, rays, np.ones(len(rays), bool), solidity, edge)
+        if again:
+            # A cone drawn over two fruits takes a piece of each and leaves too little of them to
+            # be found. Where sure fruits were found after it, what it took is looked at again.
+            more, _, _ = self._peeled(mask, rays, ~sure, 0.0, edge)
+            found += [each for each in more if each.status != DetectionStatus.WEAK]
+        return found
+
+    def _peeled(
+        self,
+        mask: NDArray[np.uint8],
+        rays: FloatArray,
+        left: NDArray[np.bool_],
+        solidity: float,
+        edge: bool,
+    ) -> tuple[list[Detection], NDArray[np.bool_], bool]:
+        """Return the fruits of those rays that are left, one after another.
+
+        And which rays are on one that is not weak, and whether one that is weak came before it.
+        """
+        camera = self.camera
         found: list[Detection] = []
+        sure = ~left
+        doubtful = again = False
         for _ in range(_MOST_IN_BLOB):
-            if len(left) < max(_LEFT_OVER * len(rays), 6):
+            count = int(left.sum())
+            if count < max(_LEFT_OVER * len(rays), 6):
                 break
-            best = best_cone(left, _ON_CONE_PX / camera.focal, self.narrowest * 0.98, self.widest)
+            tolerance = _ON_CONE_PX / camera.focal
+            best = best_cone(rays[left], tolerance, self.narrowest * 0.98, self.widest)
             if best is None:
                 break
             cone, on = best
-            share = float(on.sum()) / len(left)
+            share = float(on.sum()) / count
             detection = None
             if not found and solidity >= 0.96 and not edge:
                 detection = self._spheroid(mask, rays, cone, share)
@@ -358,8 +388,14 @@ class Detector:
                 found.append(detection)
             if detection is not None and detection.kind == "spheroid":
                 break
-            left = left[np.abs(cone.off(left)) >= _TAKEN_PX / camera.focal]
-        return found
+            taken = np.abs(cone.off(rays)) < _TAKEN_PX / camera.focal
+            left = left & ~taken
+            if detection is None or detection.status == DetectionStatus.WEAK:
+                doubtful = True
+            else:
+                sure = sure | taken
+                again = doubtful
+        return found, sure, again
 
     def _detection(
         self,
@@ -387,22 +423,31 @@ class Detector:
         if fill < _LEAST_FILL:
             return None
         score = cover * share
+        radius_px = camera.focal * math.tan(alpha)
         status = DetectionStatus.WEAK
-        if edge and self._at_border(cone.axis, alpha):
-            sound = score >= self.least_score and fill >= self.least_fill
-            status = DetectionStatus.EDGE if sound else DetectionStatus.WEAK
-        elif cover >= self.least_cover and fill >= self.least_fill and score >= self.least_score:
-            status = DetectionStatus.OK
+        if self._sound(radius_px, fill, score):
+            if edge and self._at_border(cone.axis, alpha):
+                status = DetectionStatus.EDGE
+            elif cover >= self.least_cover:
+                status = DetectionStatus.OK
         return Detection(
             status,
             kind,
             cone.axis,
             camera.project(cone.axis),
             alpha,
-            camera.focal * math.tan(alpha),
+            radius_px,
             cover,
             fill,
             score,
+        )
+
+    def _sound(self, radius_px: float, fill: float, score: float) -> bool:
+        """Whether a detection is more than weak, as far as it does not depend on the border."""
+        return (
+            radius_px >= self.least_radius_px
+            and fill >= self.least_fill
+            and score >= self.least_score
         )
 
     def _fill(self, mask: NDArray[np.uint8], axis: FloatArray, alpha: float) -> float:
@@ -489,10 +534,8 @@ class Detector:
             return None
         # The disc of the longer half axis is wider than the fruit.
         fill = min(detection.fill * long / short, 1.0)
-        sound = (
-            detection.cover >= self.least_cover
-            and fill >= self.least_fill
-            and detection.score >= self.least_score
+        sound = detection.cover >= self.least_cover and self._sound(
+            detection.radius_px, fill, detection.score
         )
         status = DetectionStatus.OK if sound else DetectionStatus.WEAK
         return replace(detection, fill=fill, status=status)

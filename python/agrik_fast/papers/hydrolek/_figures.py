@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,13 @@ def error_traces(
     return save(drawing, directory, name)
 
 
+def show_dots(legend: Any) -> None:
+    """Draw the small points of clouds larger beside their name, where one alone is not seen."""
+    for mark in legend.legend_handles:
+        if mark.get_marker() == ".":
+            mark.set_markersize(8)
+
+
 def workspace(directory: Path, points: FloatArray, reached: NDArray[np.bool_]) -> list[Path]:
     """Goals in the paper frame from two sides; circles where the solver failed."""
     drawing = figure(PAGE_WIDTH, 3.8)
@@ -47,7 +55,8 @@ def workspace(directory: Path, points: FloatArray, reached: NDArray[np.bool_]) -
         axes.set_xlabel(f"{'xyz'[u]} [mm]")
         axes.set_ylabel(f"{'xyz'[v]} [mm]")
         axes.set_aspect("equal")
-    drawing.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    names = axes.get_legend_handles_labels()
+    show_dots(drawing.legend(*names, loc="outside lower center", ncols=2))
     return save(drawing, directory, "figure6")
 
 
@@ -62,7 +71,7 @@ def planar(directory: Path, cloud: FloatArray, joints: FloatArray) -> list[Path]
     axes.set_aspect("equal")
     axes.set_xlabel(label("x", "unit of the links"))
     axes.set_ylabel(label("y", "unit of the links"))
-    drawing.legend(loc="outside lower center", ncols=3)
+    show_dots(drawing.legend(loc="outside lower center", ncols=3))
     return save(drawing, directory, "figure7")
 
 

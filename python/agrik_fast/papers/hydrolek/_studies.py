@@ -18,6 +18,7 @@ from ...robot import Robot
 from ...solvers import StateSpace
 from .._output import save, write_csv
 from ._edge import Lost, lost_goals
+from ._figures import show_dots
 from ._pose import LENGTHS_M, PoseRow, success_by_weight
 from ._robots import RobotRow, tuned_robots
 from ._singular import DISTANCES, singularity_study
@@ -77,7 +78,8 @@ def _draw_lost(
         axes.set_xlabel(f"{'xyz'[u]} [mm]")
         axes.set_ylabel(f"{'xyz'[v]} [mm]")
         axes.set_aspect("equal")
-    drawing.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    names = axes.get_legend_handles_labels()
+    show_dots(drawing.legend(*names, loc="outside lower center", ncols=3))
     return save(drawing, directory, "lost")
 
 

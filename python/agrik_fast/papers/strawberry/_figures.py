@@ -105,6 +105,8 @@ def draw_pose(axes: Any, arm: StrawberryArm, q: FloatArray, target: FloatArray) 
     spans = [(0, 950), (0, 850), (-650, 50)]
     for set_limits, span in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), spans, strict=True):
         set_limits(*span)
+    # Seen from its end this axis is short: more numbers would run into each other.
+    axes.set_yticks([0, 400, 800])
     axes.set_box_aspect([high - low for low, high in spans], zoom=1.2)
     axes.set_xlabel("x [mm]")
     axes.set_ylabel("y [mm]")

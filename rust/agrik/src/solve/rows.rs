@@ -91,8 +91,11 @@ impl Plan<'_> {
             1 => smallvec![rows],
             _ => rows.split(1).into(),
         };
+        let most = self.setup().settings.max_restarts;
         for round in 0..ELSEWHERE {
-            single.retain(|row| self.stands_at_a_limit(row, 0));
+            // Each start is one of the restarts that the caller allows.
+            let allowed = |row: &AnswersMut<'_>| row.outcome(0).restarts + round < most;
+            single.retain(|row| self.stands_at_a_limit(row, 0) && allowed(row));
             if single.is_empty() {
                 break;
             }
