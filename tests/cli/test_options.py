@@ -153,6 +153,9 @@ def test_degrees_and_millimetres_are_noticed(agrik_fast: RunCommand) -> None:
     result = agrik_fast("solve", "ur5", "m.csv", "-o", "m.npz")
     assert result.exit_code == 0, result.output
     assert "are the lengths in mm, as in x_mm,y_mm,z_mm?" in result.stderr
+    np.save("huge.npy", [[1e200, 0.0, 0.0], [np.inf, 0.0, 0.0]])
+    result = agrik_fast("solve", "ur5", "huge.npy", "-o", "h.npz")
+    assert result.exit_code == 0 and "overflow" not in result.stderr
     Path("g.csv").write_text("x_m,y_m,z_m,roll_rad,pitch_rad,yaw_rad\n0.4,0.2,0.3,3.1,0,1.5\n")
     result = agrik_fast("solve", "ur5", "g.csv", "-o", "g.npz", "--q0", "0,-1.6,1.6,0,0,0")
     assert result.exit_code == 0 and "meant" not in result.stderr and "mm" not in result.stderr

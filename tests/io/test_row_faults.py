@@ -65,6 +65,12 @@ def test_what_makes_reading_on_impossible_is_the_last_fault(tmp_path: Path) -> N
     ]
 
 
+def test_a_faulty_header_is_the_only_fault(tmp_path: Path) -> None:
+    path = tmp_path / "t.csv"
+    path.write_bytes(b"id,\xff,y_m,z_m\na,1,2\n")
+    assert reason(path) == ["line 1: is not UTF-8 text"]
+
+
 def test_the_command_tells_them_a_line_each(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

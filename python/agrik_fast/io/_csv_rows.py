@@ -50,7 +50,7 @@ class CsvRows:
 
     def any_row(self, numeric: Sequence[int], texts: Sequence[int]) -> bool:
         """Go to the next row and return whether there is one; faults as of `block`."""
-        with self._naming(numeric, texts):
+        with self._naming((numeric, texts)):
             return bool(self._rows.block(1, 1, [], [])[2])
 
     def block(
@@ -65,11 +65,12 @@ class CsvRows:
             bytes that are no text; with row, line and column. The file is read to its end then,
             to tell of all such rows.
         """
-        with self._naming(numeric, texts):
+        with self._naming((numeric, texts)):
             return self._rows.block(size, size_bytes, list(numeric), list(texts))
 
     @contextlib.contextmanager
-    def _naming(self, numeric: Sequence[int] = (), texts: Sequence[int] = ()) -> Iterator[None]:
+    def _naming(self, columns: tuple[Sequence[int], Sequence[int]] | None = None) -> Iterator[None]:
+        """Name the file in errors, and with `columns` all faulty rows from here on."""
         try:
             yield
         except OSError as error:
@@ -77,8 +78,8 @@ class CsvRows:
         except ValueError as error:
             faults = RowFaults()
             faults.add(str(error))
-            if _OF_ONE_ROW.match(str(error)):
-                self._read_on(faults, list(numeric), list(texts))
+            if columns is not None and _OF_ONE_ROW.match(str(error)):
+                self._read_on(faults, *map(list, columns))
             raise self._refuse(str(faults)) from None
 
     def _read_on(self, faults: RowFaults, numeric: list[int], texts: list[int]) -> None:

@@ -280,7 +280,9 @@ class _Far:
     def look(self, targets: NDArray[np.float64]) -> None:
         """Note the nearest of some targets, m."""
         points = targets[:, :3, 3] if targets.ndim == 3 else targets
-        away = np.linalg.norm(points - self._robot.reach_center, axis=1)
+        # A place whose distance no number holds is far.
+        with np.errstate(over="ignore", invalid="ignore"):
+            away = np.linalg.norm(points - self._robot.reach_center, axis=1)
         self._least = min(self._least, float(np.min(away, initial=np.inf, where=away >= 0.0)))
 
     def tell(self, progress: Progress) -> None:
