@@ -102,6 +102,37 @@ fn levels() -> impl Iterator<Item = Level> {
     Level::ALL.into_iter().filter(|level| level.is_available())
 }
 
+/// Compares every row of a call with the same row in pieces of it.
+fn compare_pieces(
+    level: Level,
+    (chain, task, solver): (&Chain, Task, &Solver),
+    (poses, starts): (&[[f64; 16]], Option<&[f64]>),
+    sizes: &[usize],
+) -> Result<(), TestCaseError> {
+    let (call, targets) = ((chain, task, solver), (poses, starts));
+    let Some(whole) = piece(level, call, targets, (0, ROWS)) else { return Ok(()) };
+    for size in sizes {
+        for first in (0..ROWS).step_by(*size) {
+            let count = (*size).min(ROWS - first);
+            let part = piece(level, call, targets, (first, count)).expect("as the whole");
+            for row in 0..count {
+                prop_assert_eq!(
+                    bits(&part, row, chain.dof()),
+                    bits(&whole, first + row, chain.dof()),
+                    "row {} in pieces of {}, {:?}, {:?}, starts {}, {}",
+                    first + row,
+                    size,
+                    solver,
+                    task,
+                    starts.is_some(),
+                    level.name()
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig {
         cases: 12,
@@ -117,28 +148,30 @@ proptest! {
             for task in tasks().into_iter().cycle().skip((seed as usize % 6) + i).take(2) {
                 for starts in [None, Some(&starts[..])] {
                     for level in levels() {
-                        let call = (&chain, task, &solver);
                         let targets = (&poses[..], starts);
-                        let Some(whole) = piece(level, call, targets, (0, ROWS)) else { break };
-                        for size in [1, 7] {
-                            for first in (0..ROWS).step_by(size) {
-                                let count = size.min(ROWS - first);
-                                let part = piece(level, call, targets, (first, count))
-                                    .expect("as the whole");
-                                for row in 0..count {
-                                    prop_assert_eq!(
-                                        bits(&part, row, chain.dof()),
-                                        bits(&whole, first + row, chain.dof()),
-                                        "row {} in pieces of {}, {:?}, {:?}, starts {}, {}",
-                                        first + row, size, &solver, task, starts.is_some(),
-                                        level.name()
-                                    );
-                                }
-                            }
-                        }
+                        compare_pieces(level, (&chain, task, &solver), targets, &[1, 7])?;
                     }
                 }
             }
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 200,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    /// Rows at a limit look for other solutions together, and draw numbers on the way.
+    #[test]
+    fn rows_at_limits_look_elsewhere_each_for_itself(chain in chain(), seed in any::<u64>()) {
+        let (poses, _) = targets_and_starts(&chain, seed);
+        let solver = solvers().into_iter().find(|solver| {
+            matches!(solver, Solver::Step(settings) if settings.step.name() == "pinv-closed")
+        });
+        let call = (&chain, Task::PositionFirst, &solver.expect("a solver of that name"));
+        compare_pieces(Level::Scalar, call, (&poses, None), &[7])?;
     }
 }

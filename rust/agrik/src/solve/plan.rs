@@ -137,6 +137,8 @@ impl<'a> Plan<'a> {
         let one = Settings { max_restarts: 0, ..Settings::LEVENBERG_MARQUARDT };
         let mut plan = self.with(&copies, &starts, one);
         plan.request = plan.request.with_second(second);
+        let rows = vec![row; count];
+        plan.sampler.chosen = Some(&rows);
         let mut all = Some(answers.as_mut());
         plan.run(level, &mut || all.take(), &mut || true);
         for (x, (v, about)) in answers

@@ -114,9 +114,12 @@ impl Plan<'_> {
                 self.sampler.sample(row.first, FAR + round, &there, start);
             }
         }
-        let targets = self.request.chosen(rows.iter().map(|row| row.first));
+        let chosen: Vec<usize> = rows.iter().map(|row| row.first).collect();
+        let targets = self.request.chosen(chosen.iter().copied());
         let one = Settings { max_restarts: 0, ..self.setup().settings.clone() };
-        let plan = self.with(&targets, &starts, one);
+        let mut plan = self.with(&targets, &starts, one);
+        // What else is drawn for a row depends on that row, whatever other rows there are.
+        plan.sampler.chosen = Some(&chosen);
         let mut answers = Answers::new(rows.len(), dof);
         let mut all = Some(answers.as_mut());
         plan.reach(level, &mut || all.take(), &mut || true);

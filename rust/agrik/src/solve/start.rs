@@ -54,6 +54,8 @@ const fn windows(postures: usize) -> usize {
 pub(super) struct Sampler<'a> {
     seed: u64,
     first_index: u64,
+    /// Where its targets are some of another request's: which of them.
+    pub chosen: Option<&'a [usize]>,
     postures: &'a Postures,
     ranking: Ranking,
 }
@@ -63,12 +65,13 @@ impl<'a> Sampler<'a> {
     pub fn new(request: &Request<'a>, ranking: Ranking) -> Self {
         let postures = request.chain().memo(sample_postures);
         let (seed, first_index) = (request.seed(), request.first_index());
-        Self { seed, first_index, postures, ranking }
+        Self { seed, first_index, chosen: None, postures, ranking }
     }
 
     /// What alone decides the random numbers of an attempt at a target.
     #[inline(always)]
     pub fn key(&self, row: usize, attempt: u32) -> u64 {
+        let row = self.chosen.map_or(row, |rows| rows[row]);
         let index = self.first_index.wrapping_add(row as u64);
         mix(mix(mix(self.seed ^ 0x9e37_79b9_7f4a_7c15) ^ index) ^ u64::from(attempt))
     }
