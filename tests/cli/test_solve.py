@@ -273,7 +273,7 @@ def test_most_faults_are_seen_before_anything_is_solved(agrik_fast: RunCommand) 
 def test_wrong_usage_is_code_2(agrik_fast: RunCommand, words: list[str]) -> None:
     result = agrik_fast(*words)
     assert result.exit_code == 2
-    assert "Error:" in result.stderr
+    assert result.stderr.startswith("agrik-fast: ") and len(result.stderr.splitlines()) == 1
 
 
 def test_the_force_option_replaces(agrik_fast: RunCommand) -> None:
