@@ -215,3 +215,36 @@ def test_starts_of_many_turns_are_brought_back(name, solver):
     # Those of fewer turns are kept: what is near to them is what was asked for.
     back = np.where(np.abs(q0) > 1e4, q0 - 2 * np.pi * np.round(q0 / (2 * np.pi)), q0)
     assert np.abs(result.q - back)[:, turns].max() <= np.pi + 1e-6
+
+
+@pytest.mark.parametrize("solver", ["lm", "dls", "auto", "closed_form"])
+def test_angles_of_many_turns_are_no_answer_where_their_last_digit_counts(solver):
+    """An arm of 100 km, nanometres of it, and starts of hundreds of turns (found by fuzzing)."""
+    rows = [(1e5 * row.a, row.alpha, 1e5 * row.d, row.theta) for row in PUMA.dh]
+    arm = ik.Robot.from_dh(rows, limits=[(-1e16, 1e16)] * 6)
+    q = PUMA.random_q(200, seed=4)
+    rng = np.random.default_rng(5)
+    starts = q + rng.normal(scale=0.3, size=q.shape) + 2 * np.pi * rng.integers(150, 900, q.shape)
+    poses = arm.fk(q)
+    tight = dict(position_tolerance=4e-9, orientation_tolerance=1e-9)
+    result = arm.ik(poses, solver=solver, q0=starts, **tight)
+    off = np.linalg.norm(arm.fk(result.q)[:, :3, 3] - poses[:, :3, 3], axis=1)
+    assert (off[result.success] <= 5e-9).all()
+    assert result.success.mean() > 0.9
+    # With tolerances that such angles can keep they stay near the start.
+    wide = arm.ik(poses, solver=solver, q0=starts, position_tolerance=1e-2)
+    assert wide.success.mean() > 0.99
+    assert np.abs(wide.q - starts)[wide.success].max() < 2 * np.pi
+
+
+def test_laws_that_run_away_return_angles_that_are_known():
+    """Their steps have no bound, and the answer is told to its last digit (found by fuzzing)."""
+    rows = [(1e3 * row.a, row.alpha, 1e3 * row.d, row.theta) for row in PUMA.dh]
+    arm = ik.Robot.from_dh(rows, joint_types=["continuous"] * 6)
+    poses = arm.fk(np.random.default_rng(2).uniform(-3, 3, (60, 6)))
+    poses[:, :3, 3] *= 1e7
+    result = arm.ik(poses, solver="broyden")
+    assert np.abs(result.q).max() < 1e4
+    turned = poses[:, :3, :3].transpose(0, 2, 1) @ arm.fk(result.q)[:, :3, :3]
+    cosine = (np.trace(turned, axis1=1, axis2=2) - 1) / 2
+    assert np.allclose(np.cos(result.orientation_error), cosine, atol=1e-9)

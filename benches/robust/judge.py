@@ -243,8 +243,13 @@ def _far_turns(
     far_out = arm.turns & (np.abs(starts) > 1e4)
     with np.errstate(invalid="ignore"):
         starts = np.where(far_out, starts - TURN * np.round(starts / TURN), starts)
+    # So is one whose last digits count beside a narrow tolerance of a large arm; how far that goes
+    # is the solver's to say.
+    lever = arm.length + np.linalg.norm(np.nan_to_num(request.poses[:, :3, 3]), axis=1)
+    tolerance = np.minimum(request.position_tolerance / lever, request.orientation_tolerance)
+    coarse = arm.turns & (np.abs(starts) > (tolerance / (64 * EPS))[:, None])
     # A turn of a joint that others follow is another posture.
-    may_turn = arm.turns & ~arm.leads & success[:, None] & np.isfinite(starts)
+    may_turn = arm.turns & ~arm.leads & success[:, None] & np.isfinite(starts) & ~coarse
     # Half a turn away on either side is as near, and the last digits say nothing.
     slack = 1e-6 * (1 + np.abs(q) + np.abs(starts))
     far = np.zeros(q.shape, bool)

@@ -13,7 +13,6 @@ from .._checks import (
     float_array,
     real_number,
     shown,
-    truth_value,
     whole_number,
     word,
 )
@@ -241,10 +240,10 @@ class InverseKinematics:
             orientation_tolerance,
             first_index,
             tolerance_frame,
-            _collider(self, scene),
+            None if scene is None else _collider(self, scene),
             clear,
-            word("prefer", prefer, PREFERENCES),
-            word("invalid", invalid, INVALID),
+            prefer,
+            invalid,
             second_aim,
             nearest,
             joint_weights,
@@ -618,9 +617,9 @@ class InverseKinematics:
             tolerance_frame,
             locked,
             sweep,
-            truth_value("wrap", wrap),
+            wrap,
             task,
-            word("invalid", invalid, INVALID),
+            invalid,
         )
 
     def arm_angle(self, q: ArrayLike) -> FloatArray:

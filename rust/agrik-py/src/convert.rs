@@ -11,7 +11,7 @@ use numpy::{
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyBool, PyFloat, PyInt};
+use pyo3::types::{PyBool, PyFloat, PyInt, PyString};
 
 use crate::errors;
 
@@ -252,6 +252,30 @@ pub fn real(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     }
     let number = if value.is_instance_of::<PyBool>() { None } else { value.extract().ok() };
     number.ok_or_else(|| errors::value(argument, value, "a number"))
+}
+
+/// One of a few words; what it means stands beside each.
+#[inline]
+pub fn word<T: Copy>(kind: &str, value: &Bound<'_, PyAny>, known: &[(&str, T)]) -> PyResult<T> {
+    let names = || known.iter().map(|(name, _)| *name).collect::<Vec<_>>();
+    let Ok(text) = value.cast::<PyString>() else {
+        return Err(errors::value(kind, value, &format!("one of {}", names().join(", "))));
+    };
+    let text = text.to_string_lossy();
+    let found = known.iter().find(|(name, _)| *name == text);
+    found
+        .map(|(_, meant)| *meant)
+        .ok_or_else(|| errors::unknown_name(value.py(), kind, &text, &names()))
+}
+
+/// True or False, and nothing that merely counts as one.
+#[inline]
+pub fn truth(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
+    if let Ok(truth) = value.cast_exact::<PyBool>() {
+        return Ok(truth.is_true());
+    }
+    // NumPy's truth values are no bool, and are taken for one.
+    value.extract().map_err(|_| errors::value(argument, value, "True or False"))
 }
 
 /// An array for Python that holds a copy of numbers in C order.

@@ -122,6 +122,7 @@ pub struct IkResult {
 
 impl IkResult {
     /// The record of answers to targets of a leading shape.
+    #[inline(always)]
     pub fn new(shape: Vec<usize>, dof: usize, answers: Answers) -> Self {
         let mut counts = [0; Status::ALL.len()];
         for status in &answers.status {
@@ -150,16 +151,19 @@ impl IkResult {
     }
 
     /// The same record, of answers to a question.
+    #[inline(always)]
     pub fn to(self, origin: Origin) -> Self {
         Self { origin: Some(Box::new(origin)), ..self }
     }
 
     /// The same record with warnings, one a row or none at all.
+    #[inline(always)]
     pub fn with_warnings(self, warnings: Vec<u8>) -> Self {
         Self { warnings, ..self }
     }
 
     /// The same record, of answers that were to keep clear of something.
+    #[inline(always)]
     pub fn in_scene(self, collider: Option<Arc<Collider>>) -> Self {
         Self { collider, ..self }
     }

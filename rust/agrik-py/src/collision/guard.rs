@@ -8,14 +8,14 @@ use agrik_motion::{Collider, Free};
 use pyo3::prelude::*;
 
 use super::collider;
-use crate::convert::real;
+use crate::convert::{real, word};
 use crate::errors;
 
 /// The arguments as Python gave them.
 pub struct Given<'a, 'py> {
     pub collider: Option<&'a Bound<'py, PyAny>>,
     pub clear: Option<&'a Bound<'py, PyAny>>,
-    pub prefer: Option<&'a str>,
+    pub prefer: Option<&'a Bound<'py, PyAny>>,
 }
 
 /// What answers have to be besides reaching their targets.
@@ -29,14 +29,8 @@ impl Scene {
     /// The scene of a call for an arm, if it has one.
     pub fn new(py: Python<'_>, chain: &Chain, given: &Given<'_, '_>) -> PyResult<Option<Self>> {
         let clear = given.clear.map_or(Ok(0.0), |clear| real("clear", clear))?;
-        let names = Prefer::ALL.map(|(name, _)| name);
-        let prefer = match given.prefer {
-            None => Prefer::default(),
-            Some(name) => match Prefer::ALL.iter().find(|(known, _)| *known == name) {
-                Some((_, prefer)) => *prefer,
-                None => return Err(errors::unknown_name(py, "prefer", name, &names)),
-            },
-        };
+        let prefer = given.prefer;
+        let prefer = prefer.map_or(Ok(Prefer::default()), |p| word("prefer", p, &Prefer::ALL))?;
         let Some(value) = given.collider else {
             if clear == 0.0 && prefer == Prefer::default() {
                 return Ok(None);

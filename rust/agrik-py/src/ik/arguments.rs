@@ -34,7 +34,7 @@ pub struct Arguments<'a, 'py> {
     pub tolerance_frame: Option<&'a Bound<'py, PyAny>>,
     pub first_index: Option<&'a Bound<'py, PyAny>>,
     /// What becomes of poses that are no rigid transforms.
-    pub invalid: Option<&'a str>,
+    pub invalid: Option<&'a Bound<'py, PyAny>>,
     /// What the freedom of answers is used for.
     pub second_aim: Option<&'a Bound<'py, PyAny>>,
 }
@@ -175,7 +175,7 @@ impl<'py> Call<'py> {
                 first_not_rigid(poses, 1)
             };
             if let Some(row) = found {
-                let invalid = Invalid::new(py, given.invalid)?;
+                let invalid = Invalid::new(given.invalid)?;
                 if invalid == Invalid::Raise {
                     return Err(not_rigid_error(py, leading, row, &poses[row]));
                 }
@@ -184,7 +184,7 @@ impl<'py> Call<'py> {
             }
         }
         if given.invalid.is_some() {
-            Invalid::new(py, given.invalid)?;
+            Invalid::new(given.invalid)?;
         }
         Ok(Self { targets, options, q0, mended: None })
     }

@@ -16,8 +16,8 @@ const MOST_STARTS: u64 = 100_000;
 pub fn second(chain: &Chain, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Second>> {
     let Some(value) = value else { return Ok(None) };
     let py = value.py();
-    if let Ok(name) = value.cast::<PyString>() {
-        let merit = merit(py, &name.to_string_lossy())?;
+    if value.is_instance_of::<PyString>() {
+        let merit = convert::word("second_aim", value, &Merit::ALL)?;
         return made(py, Second::new(chain, merit, None, None)).map(Some);
     }
     let expected = "a name or a SecondAim of agrik_fast.tasks, with all its fields";
@@ -26,12 +26,13 @@ pub fn second(chain: &Chain, value: Option<&Bound<'_, PyAny>>) -> PyResult<Optio
 
 fn of_object(chain: &Chain, value: &Bound<'_, PyAny>) -> PyResult<Second> {
     let py = value.py();
-    let name: String = value.getattr("measure").and_then(|name| name.extract()).map_err(|_| {
+    let measure = value.getattr("measure").and_then(|name| Ok(name.cast_into::<PyString>()?));
+    let measure = measure.map_err(|_| {
         let expected = "a SecondAim of agrik_fast.tasks or one of near, middle, limits, \
                         manipulability";
         errors::value("second_aim", value, expected)
     })?;
-    let merit = merit(py, &name)?;
+    let merit = convert::word("second_aim", &measure, &Merit::ALL)?;
     let posture = numbers(chain, "posture", &value.getattr("posture")?)?;
     let weights = numbers(chain, "weights", &value.getattr("weights")?)?;
     made(py, Second::new(chain, merit, posture, weights))
@@ -39,13 +40,6 @@ fn of_object(chain: &Chain, value: &Bound<'_, PyAny>) -> PyResult<Second> {
 
 fn made(py: Python<'_>, second: agrik::Result<Second>) -> PyResult<Second> {
     second.map_err(|error| errors::from_core(py, error))
-}
-
-fn merit(py: Python<'_>, name: &str) -> PyResult<Merit> {
-    let found = Merit::ALL.into_iter().find(|(known, _)| *known == name);
-    found.map(|(_, merit)| merit).ok_or_else(|| {
-        errors::unknown_name(py, "second_aim", name, &Merit::ALL.map(|(known, _)| known))
-    })
 }
 
 /// Numbers of an argument, one a joint, if it is given.

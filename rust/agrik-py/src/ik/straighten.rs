@@ -3,8 +3,7 @@
 use nalgebra::{Matrix3, SVD};
 use pyo3::prelude::*;
 
-use crate::convert::is_rigid;
-use crate::errors;
+use crate::convert::{is_rigid, word};
 
 /// Code of `agrik_fast.Warnings.STRAIGHTENED`.
 pub const STRAIGHTENED: u8 = 32;
@@ -14,7 +13,8 @@ const ROUNDED: f64 = 1.5e-3;
 const ROUGH: f64 = 0.02;
 /// Sweeps after which a decomposition that has not ended is given up.
 const SWEEPS: usize = 100;
-const WORDS: [&str; 3] = ["mark", "raise", "straighten"];
+const WORDS: [(&str, Invalid); 3] =
+    [("mark", Invalid::Mark), ("raise", Invalid::Raise), ("straighten", Invalid::Straighten)];
 
 /// What becomes of poses that are no rigid transforms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -29,13 +29,10 @@ pub enum Invalid {
 }
 
 impl Invalid {
-    pub fn new(py: Python<'_>, word: Option<&str>) -> PyResult<Self> {
-        match word {
-            None | Some("mark") => Ok(Self::Mark),
-            Some("raise") => Ok(Self::Raise),
-            Some("straighten") => Ok(Self::Straighten),
-            Some(other) => Err(errors::unknown_name(py, "invalid", other, &WORDS)),
-        }
+    /// What a word means, the first of them where there is none.
+    #[inline]
+    pub fn new(given: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        given.map_or(Ok(Self::default()), |given| word("invalid", given, &WORDS))
     }
 }
 

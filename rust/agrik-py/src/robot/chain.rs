@@ -12,7 +12,7 @@ use pyo3::types::{PyDict, PyFloat};
 use super::build::{self, DhTable, Frame};
 use super::kinematics;
 use crate::collision::guard;
-use crate::convert::{array, transform};
+use crate::convert::{self, array, transform};
 use crate::errors;
 use crate::ik::arguments::{Arguments, Options};
 use crate::ik::batch::{self, Wishes};
@@ -312,8 +312,8 @@ impl Chain {
         tolerance_frame: Option<&Bound<'_, PyAny>>,
         collider: Option<&Bound<'_, PyAny>>,
         clear: Option<&Bound<'_, PyAny>>,
-        prefer: Option<&str>,
-        invalid: Option<&str>,
+        prefer: Option<&Bound<'_, PyAny>>,
+        invalid: Option<&Bound<'_, PyAny>>,
         second_aim: Option<&Bound<'_, PyAny>>,
         nearest: Option<&Bound<'_, PyAny>>,
         joint_weights: Option<&Bound<'_, PyAny>>,
@@ -452,7 +452,7 @@ impl Chain {
     /// All branches of a batch of poses; see `agrik_fast.Robot.ik_all`.
     #[pyo3(signature = (
         targets, q0=None, tool=None, threads=None, arm_angle=None, position_tolerance=None,
-        orientation_tolerance=None, tolerance_frame=None, locked=None, sweep=None, wrap=false,
+        orientation_tolerance=None, tolerance_frame=None, locked=None, sweep=None, wrap=None,
         task=None, invalid=None
     ))]
     #[allow(clippy::too_many_arguments)]
@@ -469,9 +469,9 @@ impl Chain {
         tolerance_frame: Option<&Bound<'_, PyAny>>,
         locked: Option<&Bound<'_, PyAny>>,
         sweep: Option<&Bound<'_, PyAny>>,
-        wrap: bool,
+        wrap: Option<&Bound<'_, PyAny>>,
         task: Option<&Bound<'_, PyAny>>,
-        invalid: Option<&str>,
+        invalid: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Branches> {
         let given = Arguments {
             targets,
@@ -488,6 +488,7 @@ impl Chain {
             invalid,
             second_aim: None,
         };
+        let wrap = wrap.map_or(Ok(false), |wrap| convert::truth("wrap", wrap))?;
         batch::solve_all(py, &self.0, &given, &Wishes { arm_angle, locked, sweep, wrap })
     }
 

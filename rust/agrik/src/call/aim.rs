@@ -2,7 +2,7 @@
 
 use crate::Allowed;
 use crate::allowed::check_measures;
-use crate::chain::{Chain, Tail};
+use crate::chain::{Chain, Tail, UNLIMITED};
 use crate::error::{Error, Result};
 use crate::kinematics::Workspace;
 use crate::task::{
@@ -12,6 +12,10 @@ use crate::task::{
 /// Share of the tolerance that solvers themselves allow, so that rounding in a later check
 /// cannot turn a reached target into a missed one.
 pub(crate) const INSIDE: f64 = 1.0 - 1e-6;
+
+/// Roundings of an angle of 1 rad and of the sums that it enters, of all joints together, and some
+/// room, rad.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// How near is near enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -157,7 +161,7 @@ pub(crate) enum Measure {
 }
 
 /// A task, its tolerances and the tool that has to fulfil it, checked.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Aim {
     task: Task,
     tolerance: Tolerance,
@@ -255,6 +259,15 @@ impl Aim {
     /// The aim fixes the full pose, without a word on single axes.
     pub fn fixes_pose(&self) -> bool {
         self.task.fixes_pose() && self.tolerance.axes.is_none()
+    }
+
+    /// Largest angle, rad, that is known well enough to reach a place with an arm of a size, m: of
+    /// larger ones the last digit moves the tool too far.
+    #[inline(always)]
+    pub(crate) fn well_known(&self, size: f64, place: [f64; 3]) -> f64 {
+        let Tolerance { position, orientation, .. } = self.tolerance.inner();
+        let far = place.iter().fold(size, |far, x| far.max(x.abs())).max(f64::MIN_POSITIVE);
+        ((position / far).min(orientation) / ROUNDING).min(UNLIMITED)
     }
 
     /// What is left is near enough, for solvers.

@@ -218,6 +218,16 @@ impl<'a> Request<'a> {
         }
     }
 
+    /// Largest angle, rad, that is known well enough to reach target `row`.
+    #[inline(always)]
+    pub(crate) fn well_known(&self, row: usize) -> f64 {
+        let place = match self.goals {
+            Goals::Positions { points, .. } => points[row],
+            Goals::Poses(poses) => [3, 7, 11].map(|k| poses[row][k]),
+        };
+        self.aim.well_known(self.chain.reach().size, place)
+    }
+
     /// Target `row`, `count` times.
     pub(crate) fn copies(&self, row: usize, count: usize) -> Copies {
         self.chosen(std::iter::repeat_n(row, count))

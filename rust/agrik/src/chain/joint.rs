@@ -7,12 +7,25 @@ use nalgebra::{IsometryMatrix3, Unit, Vector3};
 pub const UNLIMITED: f64 = 1e4;
 
 /// The value that answers stay near, for the caller's `about`: inside the limits, and of a joint
-/// that `turns` freely where sines know an angle well.
+/// that `turns` freely no farther from 0 than `most` where whole turns bring it nearer: the last
+/// digits of a larger angle are too coarse.
 #[inline(always)]
-pub fn reference(about: f64, (lower, upper): (f64, f64), turns: bool) -> f64 {
-    use std::f64::consts::TAU;
+pub fn reference(about: f64, (lower, upper): (f64, f64), turns: bool, most: f64) -> f64 {
     let about = about.max(lower).min(upper);
-    if turns && about.abs() > UNLIMITED { about - (about / TAU).round() * TAU } else { about }
+    if turns && about.abs() > most { brought_back(about, (lower, upper)) } else { about }
+}
+
+/// The angle nearest to 0 that is whole turns away, and inside the limits if any is.
+#[cold]
+fn brought_back(about: f64, (lower, upper): (f64, f64)) -> f64 {
+    use std::f64::consts::TAU;
+    let near = about - (about / TAU).round() * TAU;
+    let inside = if near < lower {
+        near + ((lower - near) / TAU).ceil() * TAU
+    } else {
+        near - ((near - upper) / TAU).ceil().max(0.0) * TAU
+    };
+    if lower <= inside && inside <= upper { inside } else { about }
 }
 
 /// How a joint moves.

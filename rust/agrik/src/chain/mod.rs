@@ -60,9 +60,10 @@ impl Variable {
         self.periodic && self.upper - self.lower >= std::f64::consts::TAU - 1e-15
     }
 
-    /// The value that answers stay near, for the caller's `about`.
-    pub fn reference(&self, about: f64) -> f64 {
-        reference(about, (self.lower, self.upper), self.turns())
+    /// The value that answers stay near, for the caller's `about`; no angle beyond `most` where
+    /// that can be helped.
+    pub fn reference(&self, about: f64, most: f64) -> f64 {
+        reference(about, (self.lower, self.upper), self.turns(), most)
     }
 }
 

@@ -53,10 +53,11 @@ impl Limit {
         if self.turns && self.winds && inside { Self { ends, winds: false, ..self } } else { self }
     }
 
-    /// The value that answers stay near, for the caller's `about`.
+    /// The value that answers stay near, for the caller's `about`; no angle beyond `most` where
+    /// that can be helped.
     #[inline(always)]
-    pub fn reference(&self, about: f64) -> f64 {
-        reference(about, (self.lower, self.upper), self.turns)
+    pub fn reference(&self, about: f64, most: f64) -> f64 {
+        reference(about, (self.lower, self.upper), self.turns, most)
     }
 
     /// The angle of the same posture that is nearest to `about` inside the limits.

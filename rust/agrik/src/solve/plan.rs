@@ -1,6 +1,6 @@
 //! A plan: a request, and the setup of the step solver that is to fulfil it.
 
-use std::borrow::Cow;
+use std::ops::Deref;
 
 use nalgebra::DMatrix;
 
@@ -8,18 +8,18 @@ use super::Settings;
 use super::limit::wound;
 use super::setup::Setup;
 use super::start::Sampler;
-use crate::call::{Answers, Copies, Goals, Request, Second, Solve, Starts};
+use crate::call::{Aim, Answers, Copies, Goals, Request, Second, Solve, Starts, Tolerance};
 use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, columns, forward};
 use crate::lanes::Level;
-use crate::task::Goal;
+use crate::task::{Goal, Task};
 
 /// A request and how to fulfil it.
 #[derive(Debug, Clone)]
 pub struct Plan<'a> {
     pub(super) request: Request<'a>,
-    setup: Cow<'a, Setup>,
+    setup: Held<'a>,
     pub(super) sampler: Sampler<'a>,
     /// Limits inside those of the chain that hold for this call, rad or m.
     pub(super) bounds: Option<Vec<(f64, f64)>>,
@@ -27,19 +27,62 @@ pub struct Plan<'a> {
     pub(super) pull: Option<(f64, Vec<f64>)>,
 }
 
+/// A plan's own setup, in a box since plans are moved about and it is long, or one made before.
+#[derive(Debug, Clone)]
+enum Held<'a> {
+    Own(Box<Setup>),
+    Lent(&'a Setup),
+}
+
+impl Deref for Held<'_> {
+    type Target = Setup;
+    #[inline(always)]
+    fn deref(&self) -> &Setup {
+        match self {
+            Self::Own(setup) => setup,
+            Self::Lent(setup) => setup,
+        }
+    }
+}
+
+/// The setups of the default solver for poses and positions with the tolerances that are usual.
+struct Usual(Option<[Setup; 2]>);
+
+impl Usual {
+    fn new(chain: &Chain) -> Self {
+        let setup = |task| {
+            let aim = Aim::new(chain, task, Tolerance::default(), None)?;
+            Setup::new(chain, aim, Settings::default())
+        };
+        Self(setup(Task::Pose).and_then(|pose| Ok([pose, setup(Task::Position)?])).ok())
+    }
+
+    /// The setup of an aim and settings, if it is one of these.
+    #[inline(always)]
+    fn of(&self, aim: &Aim, settings: &Settings) -> Option<&Setup> {
+        let all = self.0.as_ref().filter(|all| all[0].settings == *settings)?;
+        all.iter().find(|setup| setup.aim == *aim)
+    }
+}
+
 impl<'a> Plan<'a> {
-    /// A plan with a setup of its own.
+    /// A plan with a setup of its own, or with one of those that are usual.
     pub fn new(request: Request<'a>, settings: Settings) -> Result<Self> {
-        let setup = Setup::new(request.chain(), *request.aim(), settings)?;
-        Ok(Self::of(request, Cow::Owned(setup)))
+        let (chain, aim) = (request.chain(), request.aim());
+        // What most calls ask for is kept with the chain.
+        if let Some(usual) = chain.memo(Usual::new).of(aim, &settings) {
+            return Ok(Self::of(request, Held::Lent(usual)));
+        }
+        Ok(Self::of(request, Held::Own(Box::new(Setup::new(chain, *aim, settings)?))))
     }
 
     /// A plan with a setup that was made before, for the same chain and aim.
     pub(super) fn with_setup(request: Request<'a>, setup: &'a Setup) -> Self {
-        Self::of(request, Cow::Borrowed(setup))
+        Self::of(request, Held::Lent(setup))
     }
 
-    fn of(request: Request<'a>, setup: Cow<'a, Setup>) -> Self {
+    #[inline(always)]
+    fn of(request: Request<'a>, setup: Held<'a>) -> Self {
         let sampler = Sampler::new(&request, setup.ranking);
         Self { request, setup, sampler, bounds: None, pull: None }
     }
@@ -47,7 +90,7 @@ impl<'a> Plan<'a> {
     /// What answers are moved to be best at, where the target leaves a freedom for it: what the
     /// request asks for, or the setup.
     pub(super) fn second_aim(&self) -> Option<&Second> {
-        let second = self.request.second().or(self.setup().second.as_ref());
+        let second = self.request.second().or(self.setup().second.as_deref());
         second.filter(|_| self.leaves_freedom())
     }
 
@@ -103,7 +146,7 @@ impl<'a> Plan<'a> {
     ) -> Plan<'b> {
         let setup = Setup { settings, ..self.setup().clone() };
         let request = self.request.with(copies, starts);
-        Plan { request, setup: Cow::Owned(setup), ..self.clone() }
+        Plan { request, setup: Held::Own(Box::new(setup)), ..self.clone() }
     }
 
     /// What one attempt each from several starts leads to: the start values of target `row`, some

@@ -84,7 +84,7 @@ pub struct Setup {
     pub(super) ranking: Ranking,
     pub(super) tool_reach: Reach,
     /// What answers are moved to be best at, if the request says nothing else.
-    pub(super) second: Option<Second>,
+    pub(super) second: Option<Box<Second>>,
     /// Joint values of the chain that it was made for.
     pub(super) dof: usize,
 }
@@ -116,9 +116,15 @@ impl Setup {
         goal
     }
 
+    /// [`Aim::well_known`] of a goal.
+    #[inline(always)]
+    pub(super) fn well_known(&self, goal: &Goal<f64>) -> f64 {
+        self.aim.well_known(self.tool_reach.size, goal.position)
+    }
+
     /// The same setup, with a second aim of its own.
     pub fn with_second(self, second: Second) -> Self {
-        Self { second: Some(second), ..self }
+        Self { second: Some(Box::new(second)), ..self }
     }
 
     /// A checked setup.

@@ -339,7 +339,9 @@ mod tests {
                 let (axes, position) = (at.joint_axes(), at.tool_point(single.job.tool()));
                 single.goal = Goal { position, axes };
                 for choice in [Choice::Nearest, Choice::Middle, Choice::Margin] {
-                    single.near = Near::to(single.job.geometry, Some(&near));
+                    single.near = Near::middle(single.job.geometry);
+                    single.near.set(single.job.geometry, 0, &near, f64::INFINITY);
+                    single.near.turn(single.job.geometry);
                     single.near.judged_by(choice, single.job.geometry);
                     let mut best = Best { cost: f64::INFINITY, psi: 0.0 };
                     let tolerance = certified(srs, &mut single, choice, &mut best);

@@ -174,13 +174,14 @@ impl<R: Real> Near<R> {
         near
     }
 
-    /// One target's start values in every lane, or the middle of the limits.
+    /// The start values of one of a call's targets in every lane, or the middle of the limits.
     #[inline(always)]
-    pub fn to(geometry: &Geometry, q0: Option<&[f64]>) -> Self {
+    pub fn to(geometry: &Geometry, request: &Request<'_>, row: usize) -> Self {
         let mut near = Self::middle(geometry);
-        if let Some(q0) = q0 {
+        if let Some(q0) = request.start(row) {
+            let most = request.well_known(row);
             for lane in 0..R::WIDTH {
-                near.set(geometry, lane, q0);
+                near.set(geometry, lane, q0, most);
             }
             near.turn(geometry);
         }
@@ -189,10 +190,10 @@ impl<R: Real> Near<R> {
 
     /// Makes `q` (in the order of `q`) the centre of one lane; [`Self::turn`] is due.
     #[inline(always)]
-    pub fn set(&mut self, geometry: &Geometry, lane: usize, q: &[f64]) {
+    pub fn set(&mut self, geometry: &Geometry, lane: usize, q: &[f64], most: f64) {
         let joints = geometry.variables.iter().zip(&geometry.limits);
         for (centre, (variable, limit)) in self.centre.iter_mut().zip(joints) {
-            centre.set_lane(lane, limit.reference(q[*variable]));
+            centre.set_lane(lane, limit.reference(q[*variable], most));
         }
     }
 

@@ -117,7 +117,7 @@ fn candidates(
     }
     let job = query.job();
     let choice = if guard.prefer == Prefer::Near { Choice::Nearest } else { query.choice };
-    let mut near = Near::<f64>::to(job.geometry, query.request.start(row));
+    let mut near = Near::<f64>::to(job.geometry, &query.request, row);
     near.judged_by(choice, job.geometry);
     let cost = |q: &[f64]| {
         let mut along = [0.0; JOINTS];

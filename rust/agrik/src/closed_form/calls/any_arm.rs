@@ -151,10 +151,11 @@ impl<'a> AnyArm<'a> {
             }
             goals.push(goal);
             let q0 = self.request.start(row).filter(|_| !*bad);
+            let most = self.request.well_known(row);
             let mut about = [0.0; 6];
             for (x, k) in about.iter_mut().zip(&free[..joints]) {
                 let limit = &every.limits[*k];
-                *x = q0.map_or(limit.middle, |q0| limit.reference(q0[every.order[*k]]));
+                *x = q0.map_or(limit.middle, |q0| limit.reference(q0[every.order[*k]], most));
             }
             near.push(about);
         }

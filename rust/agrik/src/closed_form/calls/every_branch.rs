@@ -98,8 +98,8 @@ fn at_values(
                     let variable = every.order[joint];
                     let limit = every.limits[joint];
                     let of = |row| {
-                        let start = request.start(row);
-                        start.map_or(limit.middle, |q0| limit.reference(q0[variable]))
+                        let (start, most) = (request.start(row), request.well_known(row));
+                        start.map_or(limit.middle, |q0| limit.reference(q0[variable], most))
                     };
                     values = (0..request.len()).map(of).collect();
                     Some((joint, Values::Each(&values)))

@@ -112,7 +112,7 @@ impl<'a> Query<'a> {
             };
             group.goal.set_lane(lane, &goal);
             if let Some(q0) = self.request.start(row) {
-                group.near.set(geometry, lane, q0);
+                group.near.set(geometry, lane, q0, self.request.well_known(row));
             }
             if turns {
                 let (s, c) = self.angle(row).sin_cos();
@@ -131,7 +131,7 @@ impl<'a> Query<'a> {
     #[inline(always)]
     pub(crate) fn alone<R: Real>(&self, job: &Job<'_>, row: usize) -> Option<Target<R>> {
         let goal = self.request.goal(row)?;
-        let near = Near::to(job.geometry, self.request.start(row));
+        let near = Near::to(job.geometry, &self.request, row);
         Some(Target { goal, near, angle: self.angle(row) })
     }
 }

@@ -81,7 +81,12 @@ impl<'a> Sweep<'a> {
         let (low, high) = self.lead.within_reach(pose, &self.reach, self.limits)?;
         let variables = self.request.chain().variables();
         let centre: Vec<f64> = match start {
-            Some(q0) => q0.iter().zip(variables).map(|(x, v)| v.reference(*x)).collect(),
+            Some(q0) => {
+                let place = [3, 7, 11].map(|k| pose[k]);
+                let size = self.request.chain().reach().size;
+                let most = self.request.aim().well_known(size, place);
+                q0.iter().zip(variables).map(|(x, v)| v.reference(*x, most)).collect()
+            }
             None => variables.iter().map(|v| v.middle()).collect(),
         };
         let here = centre[self.lead.variable()].clamp(low, high);

@@ -37,7 +37,10 @@ pub(super) fn wrapped(request: &Request<'_>, locks: &[Lock<'_>], found: Branches
     let mut all: Vec<Vec<One>> = Vec::with_capacity(rows);
     for row in 0..rows {
         let centre = match request.start(row) {
-            Some(q0) => q0.iter().zip(variables).map(|(x, v)| v.reference(*x)).collect(),
+            Some(q0) => {
+                let most = request.well_known(row);
+                q0.iter().zip(variables).map(|(x, v)| v.reference(*x, most)).collect()
+            }
             None => middle.clone(),
         };
         let mut list = Vec::new();

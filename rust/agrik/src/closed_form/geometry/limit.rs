@@ -29,10 +29,11 @@ impl Limit {
         Self { lower: v.lower, upper: v.upper, middle, half }
     }
 
-    /// The value that answers stay near, for the caller's `about`.
+    /// The value that answers stay near, for the caller's `about`; no angle beyond `most` where
+    /// that can be helped.
     #[inline(always)]
-    pub fn reference(&self, about: f64) -> f64 {
-        reference(about, (self.lower, self.upper), self.half >= std::f64::consts::PI)
+    pub fn reference(&self, about: f64, most: f64) -> f64 {
+        reference(about, (self.lower, self.upper), self.half >= std::f64::consts::PI, most)
     }
 
     /// Shares of half the range in a radian; none where there are no limits.

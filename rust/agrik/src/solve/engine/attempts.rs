@@ -148,9 +148,10 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         let job = &mut self.jobs[lane];
         let mut best = job.best.unwrap_or_else(|| {
             let given = self.plan.request.start(job.row);
+            let most = self.setup.well_known(&job.goal);
             for (i, (x, v)) in job.best_q.iter_mut().zip(self.variables).enumerate() {
                 let (limit, near) = (&self.limits[i], v.near_zero());
-                let about = given.map_or(limit.middle, |start| limit.reference(start[i]));
+                let about = given.map_or(limit.middle, |start| limit.reference(start[i], most));
                 *x = if limit.turns || limit.winds { limit.wound(near, about) } else { near };
             }
             let request = &self.plan.request;
@@ -307,8 +308,9 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         }
         if let Some((end, mut q)) = best {
             let given = self.plan.request.start(self.jobs[lane].row);
+            let most = self.setup.well_known(&goal);
             for (i, (x, v)) in q.iter_mut().zip(&self.limits).enumerate() {
-                let about = given.map_or(v.middle, |start| v.reference(start[i]));
+                let about = given.map_or(v.middle, |start| v.reference(start[i], most));
                 *x = if v.turns || v.winds { v.wound(*x, about) } else { *x };
             }
             if end.solved
@@ -400,8 +402,9 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         if self.has_continuous || self.winds {
             // Where a solver's attempts begin by themselves is nothing to stay near.
             let given = self.plan.request.start(row);
+            let most = self.setup.well_known(goal);
             for (i, (reference, v)) in self.reference.iter_mut().zip(&self.limits).enumerate() {
-                let about = given.map_or(v.middle, |start| v.reference(start[i]));
+                let about = given.map_or(v.middle, |start| v.reference(start[i], most));
                 reference.set_lane(lane, about);
                 if v.turns && !v.winds {
                     let x = self.q[i].lane(lane);

@@ -17,6 +17,8 @@ const SETTLED: f64 = 1e-12;
 /// Share of the reach by which the error must shrink for a try of IK-PID to count: less is
 /// the rounding of a joint that does not move the tool.
 const ROUNDING: f64 = 1e-14;
+/// Angle beyond which whole turns are not taken off with digits to spare, rad.
+const RUNAWAY: f64 = 1e9;
 /// Entries of a matrix that are held without an allocation: of six rows and up to ten joints.
 const GAINS: usize = 64;
 
@@ -124,12 +126,25 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             Some(Feedback::Descent) | None => Halt::default(),
         };
         if self.has_continuous {
+            self.forget_runaways(mask);
             self.wind_back(mask);
         }
         for (lane, job) in self.jobs.iter_mut().enumerate() {
             job.steps += moving >> lane & 1;
         }
         Halt { stalled: halt.stalled & moving, broken: halt.broken & moving }
+    }
+
+    /// Puts free joints back to their reference that a law's step, which has no bound, has turned
+    /// so far that what is left of a turn is rounding.
+    #[inline(always)]
+    fn forget_runaways(&mut self, moved: R::Mask) {
+        for ((v, q), reference) in self.variables.iter().zip(&mut self.q).zip(&self.reference) {
+            if v.kind == JointKind::Continuous {
+                let runs_away = R::and(moved, R::splat(RUNAWAY).lt(q.abs()));
+                *q = R::select(runs_away, *reference, *q);
+            }
+        }
     }
 
     /// Moves a joint by as much of `dq` as its limits leave; returns how much that is.

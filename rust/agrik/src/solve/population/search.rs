@@ -358,8 +358,9 @@ impl<'e, R: Real> Search<'e, R> {
     /// nearest to the start values, of the others the one with the smallest error.
     fn consider(&mut self, goal: &Goal<f64>, start: Option<&[f64]>) {
         let plan = &self.evolution.plan;
+        let most = plan.setup().well_known(goal);
         for (i, v) in limits(plan).iter().enumerate().filter(|(_, v)| v.turns || v.winds) {
-            let about = start.map_or(v.middle, |start| v.reference(start[i]));
+            let about = start.map_or(v.middle, |start| v.reference(start[i], most));
             self.q[i] = v.wound(self.q[i], about);
         }
         forward(plan.request.chain().compiled(), &self.q, &mut self.workspace);
