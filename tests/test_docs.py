@@ -29,6 +29,13 @@ def test_python_examples_run(page: Path, tmp_path: Path, monkeypatch: pytest.Mon
         exec(compile(block, page.name, "exec"), names)
 
 
+def test_each_recipe_stands_alone_after_the_first() -> None:
+    first, *others = BLOCK.findall((DOCS / "recipes.md").read_text("utf-8"))
+    assert len(others) > 5
+    for block in others:
+        exec(compile(first + block, "recipes.md", "exec"), {})
+
+
 def test_there_are_examples() -> None:
     assert "getting-started" in [page.stem for page in PAGES]
 

@@ -22,7 +22,7 @@ def test_a_sound_site_has_no_faults(tmp_path: Path) -> None:
         tmp_path,
         index='<link rel="stylesheet" href="style.css?digest=1"><a href="other.html#here">x</a>'
         '<a href="#top">x</a><p id="top"><a href="https://example.org/paper">by hand</a>',
-        other='<h2 id="here">x</h2><a href="./">x</a>',
+        other='<h2 id="here">x</h2><a href="./">x</a><pre>a |\n| b</pre>',
     )
     assert list(check_site.faults(tmp_path)) == []
 
@@ -39,6 +39,7 @@ def test_a_sound_site_has_no_faults(tmp_path: Path) -> None:
         ('<img srcset="gone.png 2x">', "which is not there"),
         ("<style>p { background: url('https://example.org/x.png') }</style>", "from elsewhere"),
         ('<p style="background: url(https://example.org/x.png)">', "from elsewhere"),
+        ("<p>What it writes. | a | b |\n|—|—|\n| x | y |</p>", "shown as text: 'What it writes."),
     ],
 )
 def test_each_kind_of_fault_is_found(tmp_path: Path, body: str, fault: str) -> None:

@@ -60,6 +60,7 @@ def test_targets_and_paths_are_played_in_the_page(tmp_path: Path, repo_root: Pat
         (["tomato", "--targets", "nowhere.csv"], "nowhere"),
         (["tomato", "--path", "nowhere.csv"], "nowhere"),
         (["tomato", "--export", "page.txt"], ".html"),
+        (["tomato", "--solver", "nowhere.toml"], "nowhere.toml"),
     ],
 )
 def test_faults_are_one_line(words: list[str], said: str) -> None:
