@@ -59,6 +59,45 @@ def test_an_empty_folder_is_no_site(tmp_path: Path) -> None:
     assert list(check_site.faults(tmp_path)) == [f"{tmp_path}: holds no pages"]
 
 
+def test_attributes_that_share_a_line_get_one_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("sphinx")
+    monkeypatch.syspath_prepend(Path(__file__).resolve().parents[1] / "docs")
+    import docstrings
+
+    text = """What became of it, a, b : no attribute.
+
+Parameters
+----------
+low, high : float
+    Stays.
+
+Attributes
+----------
+begin, end : float, s
+    By the clock
+
+    of the line.
+name : str
+a, b, c
+
+Examples
+--------
+p, q : r
+"""
+    found = docstrings.attributes_apart(text.splitlines())
+    start = found.index("Attributes") + 2
+    about = ["    By the clock", "", "    of the line."]
+    assert found[start : found.index("Examples") - 1] == [
+        *("begin : float, s", *about),
+        *("end : float, s", *about),
+        *("name : str", "a", "b", "c"),
+    ]
+    assert "low, high : float" in found and "p, q : r" in found
+    assert docstrings.short("collections.abc.Mapping[str, agrik_fast._checks.FloatArray]") == (
+        "Mapping[str, FloatArray]"
+    )
+
+
 def test_every_tutorial_is_a_script_with_a_title(repo_root: Path) -> None:
     # sphinx-gallery runs these alone.
     scripts = sorted((repo_root / "docs" / "gallery").glob("*.py"))
