@@ -12,16 +12,26 @@ _SEVERAL = re.compile(r"(\w+(?:, \w+)+)( :.*)?")
 _MODULES = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])")
 
 
+_CHECKED = re.compile(r"Annotated\[(.+?), [A-Z]\w*\(.*\)\]")
+_PRIVATE = re.compile(r"\b_[A-Z]")
+
+
 def short(text: str) -> str:
     """Return types by their last names, which say enough: no private modules before them."""
     return _MODULES.sub("", text)
+
+
+def of_attribute(text: str) -> str | None:
+    """Return the type of an attribute as a reader knows it; None for a private name."""
+    found = _CHECKED.sub(r"\1", short(text))
+    return None if _PRIVATE.search(found) else found
 
 
 def name_types_shortly(objects: Iterable[Any]) -> None:
     """Have properties and attributes show the last names of their types."""
     for each in objects:
         if each.type in ("property", "attribute", "data") and each.annotation:
-            each.annotation = short(each.annotation)
+            each.annotation = of_attribute(each.annotation)
 
 
 def attributes_apart(lines: list[str]) -> list[str]:
@@ -56,5 +66,10 @@ def attributes_apart(lines: list[str]) -> list[str]:
 
 
 def put_right(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
-    """Do so before napoleon reads them."""
+    """Do so before napoleon reads them.
+
+    Of a line on an attribute it would take what stands before a colon for the type.
+    """
     lines[:] = attributes_apart(lines)
+    if what in ("attribute", "data", "property"):
+        lines.insert(0, "")

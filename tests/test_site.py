@@ -96,6 +96,42 @@ p, q : r
     assert docstrings.short("collections.abc.Mapping[str, agrik_fast._checks.FloatArray]") == (
         "Mapping[str, FloatArray]"
     )
+    assert docstrings.of_attribute("Annotated[list[float], Field(ge=0, le=3)]") == "list[float]"
+    assert docstrings.of_attribute("pydantic.FiniteFloat | None") == "FiniteFloat | None"
+    assert docstrings.of_attribute("list[_Positive]") is None
+
+
+@pytest.mark.parametrize("what", ["attribute", "property"])
+def test_a_colon_in_a_line_on_an_attribute_is_no_type(
+    what: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    napoleon = pytest.importorskip("sphinx.ext.napoleon")
+    monkeypatch.syspath_prepend(Path(__file__).resolve().parents[1] / "docs")
+    import docstrings
+
+    lines = ["Neither was found: it grazes."]
+    docstrings.put_right(None, what, "UNDECIDED", None, None, lines)
+    made = str(napoleon.NumpyDocstring("\n".join(lines), what=what))
+    assert made.strip() == "Neither was found: it grazes."
+
+
+def test_the_reference_has_every_command_with_its_options(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(Path(__file__).resolve().parents[1] / "docs")
+    import commands
+
+    page = commands.page()
+    found = dict(commands.commands())
+    assert len(found) > 15 and ("agrik-fast", "cluster", "solve") in found
+    for words, command in found.items():
+        section = page.split(f"## {' '.join(words)}\n")[1].split("\n## ")[0]
+        rows = [line for line in section.splitlines() if line.startswith("| `")]
+        shown = [each for each in command.params if not getattr(each, "hidden", False)]
+        assert len(rows) == len(shown), words
+        for row in rows:
+            _, name, about, _, _ = re.split(r"(?<!\\)\|", row)
+            assert name.strip() and about.strip(), row
+    assert "| `--output`, `-o` | Results: .csv, .npy, .npz or .parquet. | needed |" in page
+    assert "lm, dls" in page.split("## agrik-fast solve\n")[1].split("\n## ")[0]
 
 
 def test_every_tutorial_is_a_script_with_a_title(repo_root: Path) -> None:
