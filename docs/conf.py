@@ -1,13 +1,13 @@
 """Sphinx settings. `make docs` builds with -W: every warning is an error."""
 
 import importlib.metadata
-import re
 import sys
 from pathlib import Path
 
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "tools")]
 
+import docstrings  # noqa: E402 - found only after the line above
 import generate  # noqa: E402 - found only after the line above
 import links  # noqa: E402
 
@@ -114,15 +114,14 @@ def add_names_of_the_package(app):
     for name, module in _lazy.MODULE_OF.items():
         if f"agrik_fast.{module}.{name}" in found:
             found[f"agrik_fast.{name}"] = found[f"agrik_fast.{module}.{name}"]
+    docstrings.name_types_shortly(found.values())
 
 
 def shorten(app, what, name, obj, options, signature, returned):
     """Write types by their last names; an arm is made by `Robot.load` and its like alone."""
     if name == "agrik_fast.Robot":
         return "", None
-    return tuple(
-        re.sub(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])", "", text or "") for text in (signature, returned)
-    )
+    return tuple(docstrings.short(text or "") for text in (signature, returned))
 
 
 def without_text(app, what, name, member, skip, options):
@@ -134,6 +133,7 @@ def setup(app):
     app.connect("builder-inited", lambda app: generate.main(HERE / "_generated"))
     # After AutoAPI has read the sources.
     app.connect("builder-inited", add_names_of_the_package, priority=900)
+    app.connect("autodoc-process-docstring", docstrings.put_right, priority=100)
     app.connect("autodoc-process-signature", shorten)
     app.connect("autodoc-skip-member", without_text)
     app.connect("missing-reference", links.resolve)

@@ -1,29 +1,43 @@
-"""The table of the papers' elements, from docs/papers/elements.csv."""
+"""The tables of the papers' elements, from docs/papers/elements.csv."""
 
 import csv
+import itertools
+import re
 from pathlib import Path
 
-COLUMNS = ("paper", "element", "what", "where", "verdict", "number")
+COLUMNS = ("element", "what", "verdict", "number", "where")
+TITLES = {
+    "strawberry": "Strawberry handling arm",
+    "hydrolek": "HydroLek: feedback laws as solvers",
+    "tomato": "Tomato pointing arm",
+    "redundant7": "redundant7: differential evolution",
+}
 
 
 def table(file: Path) -> str:
-    """Return the table in Markdown."""
+    """Return a table for each paper, in Markdown.
+
+    What is found comes before where: names of code are long, and may be broken.
+    """
     with file.open(newline="", encoding="utf-8") as lines:
         rows = list(csv.DictReader(lines))
-    made = [f"| {' | '.join(COLUMNS)} |", "|" + "---|" * len(COLUMNS)]
-    for row in rows:
-        places = []
-        for place in filter(None, row["where"].split(";")):
+    made = []
+    for paper, of_paper in itertools.groupby(rows, key=lambda row: row["paper"]):
+        made += [f"### [{TITLES[paper]}]({paper}.md)", ""]
+        made += [f"| {' | '.join(COLUMNS)} |", "|" + "---|" * len(COLUMNS)]
+        for row in of_paper:
             # Files are what `agrik-fast paper NAME` writes into its folder.
-            short = place.removeprefix("agrik_fast.").removeprefix(f"{row['paper']}/")
-            places.append(f"`{short}`")
-        cells = (
-            f"[{row['paper']}]({row['paper']}.md)",
-            row["element"],
-            row["says"],
-            ", ".join(places),
-            row["verdict"],
-            row["number"],
-        )
-        made.append(f"| {' | '.join(cells)} |")
-    return "\n".join(made) + "\n"
+            places = [
+                _name(place.removeprefix("agrik_fast.").removeprefix(f"{paper}/"))
+                for place in filter(None, row["where"].split(";"))
+            ]
+            cells = (row["element"], row["says"], row["verdict"], row["number"], ", ".join(places))
+            made.append(f"| {' | '.join(cells)} |")
+        made.append("")
+    return "\n".join(made)
+
+
+def _name(code: str) -> str:
+    """Return a name in the typewriter's face that may be broken behind dots and underscores."""
+    broken = re.sub(r"([._])", r"\1<wbr>", code)
+    return f"<code>{broken}</code>"

@@ -5,6 +5,7 @@ import math
 from pathlib import Path
 
 import architecture_picture
+import commands
 import elements
 import front_picture
 import hardware_pictures
@@ -262,5 +263,6 @@ def main(folder: Path) -> None:
     draw_laws(methods)
     draw_tuning(methods / "tuning.svg")
     draw_populations(methods)
+    (folder / "commands.md").write_text(commands.page(), encoding="utf-8")
     for name in ik.Robot.names():
         (folder / f"{name}.md").write_text(describe(name), encoding="utf-8")

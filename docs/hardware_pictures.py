@@ -163,9 +163,9 @@ def messages() -> str:
     lines = ["| type | message | payload | answer |", "|---|---|---|---|"]
     for name, message in data["message"].items():
         fields = message.get("fields", [])
-        payload = ", ".join(f"{field} {kind}" for field, kind in fields) or message.get(
-            "payload", ""
-        )
+        # Asterisks would be the marks of emphasis.
+        parts = [f"{field} {kind.replace('*', ' × ')}" for field, kind in fields]
+        payload = ", ".join(parts) or message.get("payload", "")
         answer = "" if message["type"] >= 0x80 else message.get("reply", "ack").upper()
         note = " (test builds)" if message.get("test_only") else ""
         boards = message.get("boards")

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from cli_runner import run_command
 from urdf_text import joint, urdf
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
@@ -27,6 +28,26 @@ def test_python_examples_run(page: Path, tmp_path: Path, monkeypatch: pytest.Mon
     names: dict[str, object] = {}
     for block in BLOCK.findall(page.read_text("utf-8")):
         exec(compile(block, page.name, "exec"), names)
+
+
+def test_each_recipe_stands_alone_after_the_first() -> None:
+    first, *others = BLOCK.findall((DOCS / "recipes.md").read_text("utf-8"))
+    assert len(others) > 5
+    for block in others:
+        exec(compile(first + block, "recipes.md", "exec"), {})
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/getting-started.md", "docs/collision.md"])
+def test_commands_run_as_they_stand(
+    page: str, repo_root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    lines = re.findall(r"^agrik-fast ((?:info|solve) .*)$", (repo_root / page).read_text(), re.M)
+    assert lines
+    for line in lines:
+        words = line.replace("examples/", f"{repo_root.as_posix()}/examples/").split()
+        result = run_command(*words)
+        assert result.exit_code == 0, (line, result.output)
 
 
 def test_there_are_examples() -> None:

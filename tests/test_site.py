@@ -22,7 +22,7 @@ def test_a_sound_site_has_no_faults(tmp_path: Path) -> None:
         tmp_path,
         index='<link rel="stylesheet" href="style.css?digest=1"><a href="other.html#here">x</a>'
         '<a href="#top">x</a><p id="top"><a href="https://example.org/paper">by hand</a>',
-        other='<h2 id="here">x</h2><a href="./">x</a>',
+        other='<h2 id="here">x</h2><a href="./">x</a><pre>a |\n| b</pre>',
     )
     assert list(check_site.faults(tmp_path)) == []
 
@@ -39,6 +39,7 @@ def test_a_sound_site_has_no_faults(tmp_path: Path) -> None:
         ('<img srcset="gone.png 2x">', "which is not there"),
         ("<style>p { background: url('https://example.org/x.png') }</style>", "from elsewhere"),
         ('<p style="background: url(https://example.org/x.png)">', "from elsewhere"),
+        ("<p>What it writes. | a | b |\n|—|—|\n| x | y |</p>", "shown as text: 'What it writes."),
     ],
 )
 def test_each_kind_of_fault_is_found(tmp_path: Path, body: str, fault: str) -> None:
@@ -56,6 +57,81 @@ def test_a_style_sheet_may_not_load_from_elsewhere(tmp_path: Path) -> None:
 
 def test_an_empty_folder_is_no_site(tmp_path: Path) -> None:
     assert list(check_site.faults(tmp_path)) == [f"{tmp_path}: holds no pages"]
+
+
+def test_attributes_that_share_a_line_get_one_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("sphinx")
+    monkeypatch.syspath_prepend(Path(__file__).resolve().parents[1] / "docs")
+    import docstrings
+
+    text = """What became of it, a, b : no attribute.
+
+Parameters
+----------
+low, high : float
+    Stays.
+
+Attributes
+----------
+begin, end : float, s
+    By the clock
+
+    of the line.
+name : str
+a, b, c
+
+Examples
+--------
+p, q : r
+"""
+    found = docstrings.attributes_apart(text.splitlines())
+    start = found.index("Attributes") + 2
+    about = ["    By the clock", "", "    of the line."]
+    assert found[start : found.index("Examples") - 1] == [
+        *("begin : float, s", *about),
+        *("end : float, s", *about),
+        *("name : str", "a", "b", "c"),
+    ]
+    assert "low, high : float" in found and "p, q : r" in found
+    assert docstrings.short("collections.abc.Mapping[str, agrik_fast._checks.FloatArray]") == (
+        "Mapping[str, FloatArray]"
+    )
+    assert docstrings.of_attribute("Annotated[list[float], Field(ge=0, le=3)]") == "list[float]"
+    assert docstrings.of_attribute("pydantic.FiniteFloat | None") == "FiniteFloat | None"
+    assert docstrings.of_attribute("list[_Positive]") is None
+
+
+@pytest.mark.parametrize("what", ["attribute", "property"])
+def test_a_colon_in_a_line_on_an_attribute_is_no_type(
+    what: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    napoleon = pytest.importorskip("sphinx.ext.napoleon")
+    monkeypatch.syspath_prepend(Path(__file__).resolve().parents[1] / "docs")
+    import docstrings
+
+    lines = ["Neither was found: it grazes."]
+    docstrings.put_right(None, what, "UNDECIDED", None, None, lines)
+    made = str(napoleon.NumpyDocstring("\n".join(lines), what=what))
+    assert made.strip() == "Neither was found: it grazes."
+
+
+def test_the_reference_has_every_command_with_its_options(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(Path(__file__).resolve().parents[1] / "docs")
+    import commands
+
+    page = commands.page()
+    found = dict(commands.commands())
+    assert len(found) > 15 and ("agrik-fast", "cluster", "solve") in found
+    for words, command in found.items():
+        section = page.split(f"## {' '.join(words)}\n")[1].split("\n## ")[0]
+        rows = [line for line in section.splitlines() if line.startswith("| `")]
+        shown = [each for each in command.params if not getattr(each, "hidden", False)]
+        assert len(rows) == len(shown), words
+        for row in rows:
+            _, name, about, _, _ = re.split(r"(?<!\\)\|", row)
+            assert name.strip() and about.strip(), row
+    assert "| `--output`, `-o` | Results: .csv, .npy, .npz or .parquet. | needed |" in page
+    assert "lm, dls" in page.split("## agrik-fast solve\n")[1].split("\n## ")[0]
 
 
 def test_every_tutorial_is_a_script_with_a_title(repo_root: Path) -> None:

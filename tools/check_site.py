@@ -1,10 +1,11 @@
-"""Check the built documentation: no dead link, nothing loaded from elsewhere.
+"""Check the built documentation: no dead link, nothing loaded from elsewhere, no table as text.
 
     tools/check_site.py docs/_build/html
 
 Every internal link must lead to a file of the site, and its fragment to an element there. Scripts,
 styles, fonts and pictures must be files of the site too, so that a page makes no request to any
-other address; only links that a reader follows by hand may lead elsewhere.
+other address; only links that a reader follows by hand may lead elsewhere. A table that its text
+runs into is shown as lines that begin with a bar.
 """
 
 from __future__ import annotations
@@ -32,6 +33,8 @@ LOADS = {
 }
 # Relations of `link` that name a page, and load nothing.
 LEADS = {"alternate", "author", "canonical", "help", "index", "license", "next", "prev", "search"}
+# Elements whose text is shown, or not shown, as it stands.
+VERBATIM = {"code", "pre", "script", "style", "textarea"}
 STYLE_URL = re.compile(r"""url\(\s*["']?([^"')]+)["']?\s*\)|@import\s+["']([^"']+)["']""")
 
 
@@ -43,7 +46,9 @@ class Page(HTMLParser):
         self.places: set[str] = set()
         self.leads: list[str] = []
         self.loads: list[str] = []
+        self.tables_as_text: list[str] = []
         self._in_style = False
+        self._verbatim = 0
         self.feed(text)
 
     def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
@@ -51,6 +56,7 @@ class Page(HTMLParser):
         given = {name: value for name, value in attributes if value is not None}
         self.places |= {given[name] for name in ("id", "name") if name in given}
         self._in_style = tag == "style"
+        self._verbatim += tag in VERBATIM
         if tag == "a" and "href" in given:
             self.leads.append(given["href"])
         self.loads += style_urls(given.get("style", ""))
@@ -66,13 +72,16 @@ class Page(HTMLParser):
                 self.loads.append(given[name])
 
     def handle_endtag(self, tag: str) -> None:
-        """Note the end of a style."""
+        """Note the end of a style, and of a text that stands as it is."""
+        self._verbatim -= tag in VERBATIM
         self._in_style = self._in_style and tag != "style"
 
     def handle_data(self, data: str) -> None:
-        """Note what styles within the page load."""
+        """Note what styles within the page load, and rows of tables among the text."""
         if self._in_style:
             self.loads += style_urls(data)
+        if not self._verbatim and "\n|" in data:
+            self.tables_as_text.append(" ".join(data.split())[:40])
 
 
 def style_urls(text: str) -> list[str]:
@@ -92,6 +101,8 @@ def faults(site: Path) -> Iterator[str]:
             yield from _fault_of_link(site, path, address, pages)
         for address in page.loads:
             yield from _fault_of_load(site, path, address)
+        for text in page.tables_as_text:
+            yield f"{path.relative_to(site)}: a table is shown as text: {text!r}"
     for path in sorted(site.rglob("*.css")):
         for address in style_urls(path.read_text("utf-8")):
             yield from _fault_of_load(site, path, address)

@@ -84,6 +84,19 @@ def float_array(argument: str, value: ArrayLike) -> FloatArray:
     return array.astype(np.float64, copy=False)
 
 
+def frame_of(argument: str, value: ArrayLike) -> FloatArray:
+    """Return the matrix of a frame; a place alone, shape (3,), is a frame that is not turned.
+
+    What else is no rigid transform is refused where it is used.
+    """
+    given = float_array(argument, value)
+    if given.shape != (3,):
+        return given
+    matrix = np.eye(4)
+    matrix[:3, 3] = given
+    return matrix
+
+
 def whole_number(argument: str, value: object, low: int, high: int | None = None) -> int:
     """Return `value` as an int in [low, high]."""
     expected = f"a whole number >= {low}" if high is None else f"a whole number, {low} to {high}"

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -77,6 +78,32 @@ def test_a_gain_file_is_a_solver(agrik_fast: RunCommand) -> None:
     lines = result.stderr.strip().splitlines()
     assert result.exit_code == 2 and lines[0] == "agrik-fast: bad.toml: 4 faults"
     assert "  gains.kp: input should be a valid number" in lines
+
+
+def test_gains_for_points_are_told_where_poses_are_wanted(agrik_fast: RunCommand) -> None:
+    gain_file.write(Path("g.toml"), gain_file.read("hydrolek_k15_cma"))
+    gain_file.write(Path("p.toml"), gain_file.read("hydrolek_pose_cma"))
+    arm = Robot.load("hydrolek")
+    poses = arm.fk(arm.random_q(20, seed=1))
+    np.save("poses.npy", poses)
+    np.save("points.npy", poses[:, :3, 3])
+
+    def solve(gains: str, targets: str, *more: str) -> Any:
+        return agrik_fast("solve", "hydrolek", targets, "-o", "r.npz", "--solver", gains, *more)
+
+    assert one_line(solve("g.toml", "poses.npy")) == (
+        "agrik-fast: `solver`: expected gains for whole poses, or the task 'position', got "
+        "gains for points (B has 3 columns)"
+    )
+    line = one_line(solve("p.toml", "points.npy"))
+    assert "expected gains for points, got gains for whole poses" in line
+    # All faults at once, each once.
+    both = solve("g.toml", "poses.npy", "--q0", "1,2").stderr.splitlines()
+    assert len(both) == 3 and "2 faults" in both[0]
+    assert not Path("r.npz").exists()
+    assert solve("g.toml", "poses.npy", "--task", "position").exit_code == 0
+    assert solve("p.toml", "poses.npy", "--force", "--strict", "--q0", "1").exit_code == 2
+    assert solve("p.toml", "poses.npy", "--force").exit_code == 0
 
 
 def test_the_kind_of_gains_is_the_file_s_own() -> None:

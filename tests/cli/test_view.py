@@ -25,7 +25,8 @@ def test_ctrl_c_ends_the_viewer_within_a_second_or_two(repo_root: Path) -> None:
         begin = time.monotonic()
         os.kill(running.pid, signal.SIGINT)
         assert running.wait(timeout=30) == 130
-        assert time.monotonic() - begin < 10
+        # 0.3 s alone, 0.65 s beside thirty other programs on two processors.
+        assert time.monotonic() - begin < 2
         assert running.stdout.read() == ""
         assert running.stderr.read() == "agrik-fast: interrupted, the viewer has ended\n"
 
@@ -60,6 +61,7 @@ def test_targets_and_paths_are_played_in_the_page(tmp_path: Path, repo_root: Pat
         (["tomato", "--targets", "nowhere.csv"], "nowhere"),
         (["tomato", "--path", "nowhere.csv"], "nowhere"),
         (["tomato", "--export", "page.txt"], ".html"),
+        (["tomato", "--solver", "nowhere.toml"], "nowhere.toml"),
     ],
 )
 def test_faults_are_one_line(words: list[str], said: str) -> None:

@@ -223,7 +223,7 @@ exclude = [["a", "f"]]
         "[[collision]] row 4, provenance.a": "mark 'Q' is not explained",
         "[[collision]] row 4, provenance.z": "names no number of this table",
         "[[collision]] row 5, vertices_m": "at least 1 item",
-        "[[collision]] row 5, radius": "unknown key; did you mean 'radius_m",
+        "[[collision]] row 5, radius": "unknown key, its name ends in a unit; did you mean 'rad",
         "[collision_rules], may_touch_target": "no body is named 'b'",
         "[collision_rules], static_skip row 1": "no body is named 'b'",
         "[collision_rules], pairs row 2": "'a' twice, expected two bodies",

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import agrik_fast as ik
 from agrik_fast.errors import ArgumentError
@@ -53,6 +54,22 @@ def test_a_rail_is_as_long_as_its_limits() -> None:
     arm = ik.Robot.load("cucumber")
     (rail,) = (part for part in arm.surfaces() if part.role == "rail")
     assert np.ptp(rail.vertices, axis=0).max() == pytest.approx(float(arm.upper[0] - arm.lower[0]))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_of_axes_are_in_the_picture_and_clear_of_numbers(name: str) -> None:
+    arm = ik.Robot.load(name)
+    picture = arm.plot(arm.home)
+    FigureCanvasAgg(picture).draw()
+    (axes,) = picture.axes
+    each = (axes.xaxis, axes.yaxis, axes.zaxis)
+    numbers = [tick.label1 for axis in each for tick in axis.get_major_ticks()]
+    shown = [text.get_window_extent() for text in numbers if text.get_text()]
+    assert len(shown) >= 3
+    for axis in each:
+        box = axis.label.get_window_extent()
+        assert picture.bbox.contains(*box.min) and picture.bbox.contains(*box.max)
+        assert not any(box.overlaps(other) for other in shown), axis.label.get_text()
 
 
 def test_arms_are_drawn_with_labels_in_metres() -> None:

@@ -185,6 +185,37 @@ def test_the_seed_decides(load_robot):
     assert not np.array_equal(first, arm.ik(targets, seed=2**64 - 1).q)
 
 
+def test_a_place_alone_is_a_tool_that_is_not_turned(load_robot):
+    place, matrix = [0.01, 0.0, 0.12], np.eye(4)
+    matrix[:3, 3] = place
+    arm = load_robot("redundant7")
+    assert arm.with_tool(place) == arm.with_tool(matrix)
+    assert arm.with_base(place) == arm.with_base(matrix)
+    assert ik.Robot.load("redundant7", tool=place) == arm.with_tool(matrix)
+    rows = [{"a": 0.3, "alpha": 0.0, "d": 0.0, "theta": 0.0}] * 3
+    assert ik.Robot.from_dh(rows, tool=place, base=place) == ik.Robot.from_dh(
+        rows, tool=matrix, base=matrix
+    )
+    q = arm.random_q(3, seed=1)
+    targets = arm.fk(q) @ matrix
+    calls = [
+        lambda tool: arm.ik(targets, tool=tool).q,
+        lambda tool: arm.ik(targets, tool=tool, limits=np.stack([arm.lower, arm.upper], -1)).q,
+        lambda tool: next(iter(arm.ik_stream([targets], tool=tool))).q,
+        lambda tool: arm.ik_all(targets, tool=tool).q,
+        lambda tool: arm.follow(targets, tool=tool).q,
+        lambda tool: arm.velocity(q, np.full(6, 0.01), tool=tool),
+        lambda tool: np.concatenate(arm.arm_angle_intervals(targets[0], tool)),
+        lambda tool: arm.cost_history(targets[0], tool=tool),
+        lambda tool: (solver := arm.solver(tool=tool), solver.solve(targets[0]), solver.q)[2],
+    ]
+    for call in calls:
+        np.testing.assert_array_equal(call(place), call(matrix))
+    for wrong in ([0.0, 1.0], np.eye(3)):
+        with pytest.raises(ik.ArgumentError, match="tool"):
+            arm.ik(targets, tool=wrong)
+
+
 def test_tool_is_an_offset_behind_the_robots_tool(load_robot):
     arm = load_robot("ur5")
     offset = numpy_fk.translation([0.05, -0.1, 0.2]) @ numpy_fk.rotation_about([1, 2, 3], 0.7)

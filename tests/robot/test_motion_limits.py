@@ -124,6 +124,12 @@ def test_urdf_velocities_that_are_none_are_refused(word: str) -> None:
         ),
         ("velocity_mm_s = 250", "velocity_mm_s = 0", r"row 1, velocity: expected a number above 0"),
         ("velocity_mm_s = 250", "velocity_mm = 2", r"velocity_mm: unknown key; did you mean 'velo"),
+        (
+            "velocity_mm_s = 250",
+            "velocity = 250",
+            r"velocity: unknown key, its name ends in a unit; did you mean 'velocity_m_s', "
+            r"'velocity_mm_s', 'velocity_rad_s' or 'velocity_deg_s'\?",
+        ),
         ("jerk_mm_s3 = 8000", "jerk_mm_s3 = nan", r"jerk_mm_s3: input should be a finite number"),
         ("velocity_deg_s = 90", "velocity_rad_s = -2", r"row 2, velocity: .* above 0, got -2"),
         (

@@ -3,6 +3,7 @@
 import re
 import time
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlparse
@@ -135,6 +136,36 @@ def test_the_keyboard_undoes_and_redoes(desktop: Page, viewer: Viewer) -> None:
     for key, wanted in (("z", before), ("y", moved)):
         desktop.driver.switch_to.active_element.send_keys(Keys.CONTROL, key, Keys.NULL)
         wait_for(lambda wanted=wanted: np.allclose(viewer.target, wanted), f"Ctrl-{key}")
+
+
+# What has the focus: its name, and where it is; the page itself has none.
+_FOCUS = """
+const e = document.activeElement, box = e.getBoundingClientRect();
+if (e === document.body) return ["", 0, 0];
+const label = e.id && document.querySelector(`label[for="${CSS.escape(e.id)}"]`);
+return [(label ? label.textContent : e.innerText).trim(), box.top, box.left]
+"""
+
+
+def test_the_tab_key_goes_through_the_panel_in_reading_order(desktop: Page) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    desktop.driver.execute_script("arguments[0].focus()", desktop.labelled("robot"))
+    seen: list[tuple[str, float, float]] = [tuple(desktop.driver.execute_script(_FOCUS))]
+    while (len(seen) < 60 and seen[-1][0] != "robot") or len(seen) == 1:
+        desktop.driver.switch_to.active_element.send_keys(Keys.TAB)
+        seen.append(tuple(desktop.driver.execute_script(_FOCUS)))
+    names = [name for name, *_ in seen]
+    fields = ["x [m]", "y [m]", "z [m]", "roll [deg]", "pitch [deg]", "yaw [deg]"]
+    wanted = ["robot", "solver", "task", *fields, "home", "undo", "redo", "all branches"]
+    assert names[: len(wanted)] == wanted
+    # All round: the heads of the tabs come before what the tab holds, and nothing keeps the focus.
+    assert names[-1] == "robot"
+    tabs = ["Target", "Joints", "Scene", "Reach", "Path", "Rig", "Export"]
+    assert names[-len(tabs) - 1 : -1] == tabs
+    # Down the panel, and from left to right in a row.
+    for (_, above, left), (name, below, right) in pairwise(seen[: names.index("")]):
+        assert right > left if abs(below - above) < 12 else below > above, name
 
 
 def test_branches_by_the_keyboard(desktop: Page, viewer: Viewer) -> None:

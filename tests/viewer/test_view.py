@@ -4,6 +4,7 @@ import re
 import socket
 import time
 from collections.abc import Iterator
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 from hands import press
 
 import agrik_fast as ik
+from agrik_fast._names import solver_names
 from agrik_fast.arms import StrawberryArm
 from agrik_fast.errors import ArgumentError
 from agrik_fast.viewer import Viewer, export_html, playable, view
@@ -98,6 +100,56 @@ def test_widgets_change_what_their_labels_say(viewer: Viewer) -> None:
     assert panel.session.scene is None and not panel.stage._obstacles
     press(viewer, tabs.scene._look, "bodies")
     assert panel.show == "bodies"
+
+
+# A bundled set by its file, as one that `agrik-fast tune` wrote.
+GAINS = resources.files("agrik_fast.solvers") / "bundled" / "hydrolek_k15_cma.toml"
+
+
+def own_solvers() -> list[Any]:
+    gains = Path(str(GAINS))
+    law = ik.solvers.load_gains(gains, as_tuned=False)
+    quick = ik.solvers.LevenbergMarquardt(max_restarts=3)
+    return [
+        pytest.param(gains, gains.name, law, id="file"),
+        pytest.param(str(gains), gains.name, law, id="text"),
+        pytest.param(law, "StateSpace", law, id="gains"),
+        pytest.param(quick, "LevenbergMarquardt", quick, id="options"),
+    ]
+
+
+@pytest.mark.parametrize(("given", "label", "solver"), own_solvers())
+def test_a_solver_with_gains_or_options_solves(given: Any, label: str, solver: Any) -> None:
+    with view("hydrolek", solver=given, port=0, open_browser=False) as viewer:
+        panel = viewer._panel
+        assert panel._solver.value == label
+        assert panel._solver.options == (label, *solver_names())
+        press(viewer, panel._task, "position")
+        start = viewer.q
+        target = viewer.robot.fk(start + 0.02)
+        words = viewer.aim(target)
+        asked = {"q0": start, "position_tolerance": 1e-6}
+        expected = viewer.robot.ik(target, "position", solver=solver, **asked)
+        assert expected.success and words.startswith("CONVERGED")
+        np.testing.assert_array_equal(viewer.q, expected.q)
+        names: dict[str, Any] = {}
+        exec(panel.session.python(), names)
+        assert names["result"].success
+        # There are the others as well; another arm has the default again.
+        press(viewer, panel._solver, "dls")
+        assert viewer.aim(target).startswith("CONVERGED")
+        press(viewer, panel._robot, "ur5")
+        assert panel._solver.value == "lm"
+        press(viewer, panel._solver, label)
+        if label != "LevenbergMarquardt":
+            # Gains are for one arm: words say so.
+            assert "hydrolek" in viewer.status and not panel.session.outcome.reached
+
+
+@pytest.mark.parametrize("solver", [3, ik.solvers.LevenbergMarquardt, "ml", Path("gone.toml")])
+def test_what_is_no_solver_is_refused(solver: Any) -> None:
+    with pytest.raises(ik.AgrikError, match=r"solver|gone\.toml"):
+        view("hydrolek", solver=solver, port=0, open_browser=False)
 
 
 def test_ways_are_made_stepped_through_and_played(viewer: Viewer) -> None:

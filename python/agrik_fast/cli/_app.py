@@ -576,7 +576,7 @@ def view(
     solver: Annotated[
         str | None,
         typer.Option(
-            help="Solver that the panel begins with.",
+            help="Solver that the panel begins with: a name, or a gain file (.toml, .json).",
             show_default="lm",
             autocompletion=_options.solver_names,
         ),

@@ -184,6 +184,8 @@ class ResultChunk:
     >>> chunk = ResultChunk(one, q, 0 * one, one > 0, none, none, one, one)
     >>> chunk.q.shape
     (1, 6)
+    >>> chunk
+    ResultChunk(1 row: 1 solved, 6 joints)
     """
 
     ids: NDArray[Any]
@@ -215,6 +217,12 @@ class ResultChunk:
 
     def __len__(self) -> int:
         return len(self.status)
+
+    def __repr__(self) -> str:
+        rows = "1 row" if len(self) == 1 else f"{len(self)} rows"
+        solved = int(np.count_nonzero(self.success))
+        joints = self.q.shape[1]
+        return f"ResultChunk({rows}: {solved} solved, {joints} joint{'s' * (joints != 1)})"
 
     @staticmethod
     def joined(chunks: Sequence[ResultChunk]) -> ResultChunk:

@@ -32,6 +32,7 @@ from ._summary import Summary
 from ._task import (
     JobTask,
     Vector,
+    check_gains,
     check_start,
     check_tolerances,
     choose_task,
@@ -192,6 +193,7 @@ def solve_file(request: SolveRequest, progress: Progress | None = None) -> Summa
     if request.output.exists() and request.output.samefile(request.targets):
         raise ResultFileError(request.output, "is the target file, expected another name")
     task_name, task = choose_task(request, is_pose=reader.is_pose)
+    check_gains(request.solver, task_name)
     letters = _name_letters(robot, request)
     summary = Summary(robot.name, task_name, with_orientation=task_name != "position")
     layout = ResultLayout(
@@ -261,11 +263,19 @@ def faults_of(request: SolveRequest) -> list[AgrikError]:
     tried(lambda: check_tolerances(request))
     robot = tried(request.choice.load)
     reader = tried(lambda: read_targets(request.targets))
+    is_pose = reader is not None and reader.is_pose
+    none = np.zeros((0, 4, 4) if is_pose else (0, 3))
+    task, gains_fit = None, True
     if reader is not None:
-        tried(lambda: choose_task(request, is_pose=reader.is_pose))
+        chosen = tried(lambda: choose_task(request, is_pose=is_pose))
+        if chosen is not None:
+            name, task = chosen
+            before = len(found)
+            tried(lambda: check_gains(request.solver, name))
+            gains_fit = len(found) == before
     if robot is not None:
-        none = np.zeros((0, 3))
-        tried(lambda: robot.ik(none, solver=request.solver))
+        if gains_fit:  # else it would say the same in other words
+            tried(lambda: robot.ik(none, task, request.solver))
         tried(lambda: check_start(request, robot))
     return found
 

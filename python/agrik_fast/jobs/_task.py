@@ -73,6 +73,20 @@ def choose_task(asked: Asked, *, is_pose: bool) -> tuple[str, JobTask]:
     return name, Axis(tool_axis=asked.tool_axis, direction=asked.direction)
 
 
+def check_gains(solver: object, task: str) -> None:
+    """Refuse gains for points where whole poses are wanted, and the other way round."""
+    for name in ("K", "B"):
+        rows = getattr(solver, name, None)
+        wanted = 3 if task == "position" else 6
+        if rows is None or (columns := len(rows[0])) == wanted or columns not in (3, 6):
+            continue
+        kinds = {3: "points", 6: "whole poses"}
+        received = f"gains for {kinds[columns]} ({name} has {columns} columns)"
+        other = ", or the task 'position'" if columns == 3 else ""
+        expected = f"gains for {kinds[wanted]}{other}"
+        raise ArgumentError("solver", received, expected)
+
+
 def check_tolerances(asked: Asked) -> None:
     """Refuse what `Robot.ik` would refuse, before a file is read."""
     for name in ("position_tolerance", "orientation_tolerance"):

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 # Where the light comes from, and how dark the shadow side is.
 _LIGHT = np.array([0.35, -0.55, 0.76])
 _DARKEST = 0.55
+# Names of axes clear of the numbers at them, and neither beyond the picture's edge: points from
+# an axis beyond the usual, and how large the box is.
+_LABEL_PAD, _NUMBER_PAD, _ZOOM = 9, -5, 0.8
 
 
 def space(width: float, height: float) -> tuple[Figure, Any]:
@@ -199,7 +202,7 @@ def frame_space(axes: Any, low: Sequence[float], high: Sequence[float], view: An
     axes.set_ylim(low[1], high[1])
     axes.set_zlim(low[2], high[2])
     sides = [b - a for a, b in zip(low, high, strict=True)]
-    axes.set_box_aspect(sides, zoom=0.95)
+    axes.set_box_aspect(sides, zoom=_ZOOM)
     # Ticks of one distance on all three, or short sides would be full of them.
     from matplotlib.ticker import MultipleLocator
 
@@ -207,6 +210,11 @@ def frame_space(axes: Any, low: Sequence[float], high: Sequence[float], view: An
     for axis, name in zip((axes.xaxis, axes.yaxis, axes.zaxis), "xyz", strict=True):
         axis.set_major_locator(MultipleLocator(step))
         axis.set_label_text(label(name, "m"))
+        # Matplotlib turns it along its axis, where it runs into the numbers.
+        axis.set_rotate_label(False)
+        axis.labelpad = _LABEL_PAD
+        # Those of z stand beside their axis, and would come onto it.
+        axis.set_tick_params(pad=0 if name == "z" else _NUMBER_PAD)
     axes.view_init(*view)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _native
-from .._checks import FloatArray, float_array, real_number, shown, text, whole_number, word
+from .._checks import FloatArray, frame_of, real_number, shown, text, whole_number, word
 from ..errors import ArgumentError
 from . import _prepared, _sources
 from ._collision import CollisionBodies
@@ -130,7 +130,7 @@ class Robot(
             ``.xacro`` file (the last needs the extra ``xacro``), the suffix in any case.
         base_link, tip_link : str, optional
             First and last link of a URDF's chain, as for `from_urdf`.
-        tool : array_like, shape (4, 4), optional
+        tool : array_like, shape (4, 4) or (3,), optional
             Tool in the last link's frame, m, as for `with_tool`.
         frame : str, optional
             Named frame in which poses are given, as for `in_frame`.
@@ -220,10 +220,11 @@ class Robot(
             `limits`, continuous without.
         joint_names : sequence of n str, optional
             Default q1, q2, ...
-        base : array_like, shape (4, 4), optional
-            First row's frame in the frame that poses are given in; default identity.
-        tool : array_like, shape (4, 4), optional
-            Tool in the last row's frame; default identity.
+        base : array_like, shape (4, 4) or (3,), optional
+            First row's frame, or its place, in the frame that poses are given in, m; default
+            identity.
+        tool : array_like, shape (4, 4) or (3,), optional
+            Tool in the last row's frame, or its place there, m; default identity.
         name : str, default "robot"
             Name of the robot.
 
@@ -264,8 +265,8 @@ class Robot(
         definition = Definition(
             method="from_dh",
             arguments=(name, convention, *table),
-            base=None if base is None else float_array("base", base).copy(),
-            tool=None if tool is None else float_array("tool", tool).copy(),
+            base=None if base is None else frame_of("base", base).copy(),
+            tool=None if tool is None else frame_of("tool", tool).copy(),
             convention=convention,
             dh=listing,
         )
@@ -597,9 +598,10 @@ class Robot(
 
         Parameters
         ----------
-        tool : array_like, shape (4, 4)
-            Tool in the last link's frame, m; replaces the present one. (The argument `tool`
-            of `ik` is an offset behind the robot's tool instead.)
+        tool : array_like, shape (4, 4) or (3,)
+            Tool in the last link's frame, m, or its place alone, which does not turn it; replaces
+            the present one. (The argument `tool` of `ik` is an offset behind the robot's tool
+            instead.)
 
         Returns
         -------
@@ -613,13 +615,11 @@ class Robot(
 
         Examples
         --------
-        >>> gripper = np.eye(4)
-        >>> gripper[2, 3] = 0.12
-        >>> arm = ik.Robot.load("ur5").with_tool(gripper)
+        >>> arm = ik.Robot.load("ur5").with_tool([0, 0, 0.12])
         >>> arm.reach_radius > ik.Robot.load("ur5").reach_radius
         True
         """
-        return Robot(self._definition.replaced(tool=float_array("tool", tool).copy()))
+        return Robot(self._definition.replaced(tool=frame_of("tool", tool).copy()))
 
     @property
     def base(self) -> FloatArray:
@@ -632,9 +632,9 @@ class Robot(
 
         Parameters
         ----------
-        base : array_like, shape (4, 4)
-            First link's frame in the frame that poses are given in, m; replaces the
-            present one. The named frames are dropped: they are tied to the old base.
+        base : array_like, shape (4, 4) or (3,)
+            First link's frame, or its place alone, in the frame that poses are given in, m;
+            replaces the present one. The named frames are dropped: they are tied to the old base.
 
         Returns
         -------
@@ -648,13 +648,11 @@ class Robot(
 
         Examples
         --------
-        >>> raised = np.eye(4)
-        >>> raised[2, 3] = 0.5
         >>> arm = ik.Robot.load("ur5")
-        >>> float((arm.with_base(raised).fk(arm.home) - arm.fk(arm.home))[2, 3].round(6))
+        >>> float((arm.with_base([0, 0, 0.5]).fk(arm.home) - arm.fk(arm.home))[2, 3].round(6))
         0.5
         """
-        return Robot(self._definition.replaced(base=float_array("base", base).copy(), frames={}))
+        return Robot(self._definition.replaced(base=frame_of("base", base).copy(), frames={}))
 
     def in_frame(self, frame: str) -> Robot:
         """Return the same robot with its poses given in one of its named frames.

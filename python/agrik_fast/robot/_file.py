@@ -14,6 +14,7 @@ tables, so that a wrong type in one row does not hide a fault in another.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
@@ -357,6 +358,7 @@ def _place(loc: tuple[int | str, ...]) -> str:
 
 
 _ROW_TABLES = ("dh", "joint", "collision")
+_UNIT = re.compile(r"(?:m|mm|rad|deg)(?:_s[23]?)?$")
 # Letters of a key that others are compared with.
 _COMPARED = 60
 _TABLES: dict[str, type[BaseModel]] = {
@@ -382,6 +384,12 @@ def _message(
         if "mimic" in loc[:-1]:
             table = MimicTable
         known = list(table.model_fields)
+        stem = f"{loc[-1]}_"
+        in_units = [repr(n) for n in known if n.startswith(stem) and _UNIT.match(n[len(stem) :])]
+        if in_units and hint:
+            *first, last = in_units
+            words = f"{', '.join(first)} or {last}" if first else last
+            return f"unknown key, its name ends in a unit; did you mean {words}?"
         near = nearest_names(str(loc[-1])[:_COMPARED], known) if hint else ()
         if near:
             return f"unknown key; did you mean {near[0]!r}?"

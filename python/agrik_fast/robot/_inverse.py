@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from .._checks import (
     FloatArray,
     float_array,
+    frame_of,
     real_number,
     shown,
     whole_number,
@@ -108,9 +109,10 @@ class InverseKinematics:
             Start values of the first attempt. Default: chosen from the seed.
         seed : int, default 0
             Seed of the random start values, 0 to 2**64 - 1.
-        tool : array_like, shape (4, 4), optional
+        tool : array_like, shape (4, 4) or (3,), optional
             An offset behind the robot's own tool for this call: the transform from the
-            robot's tool frame to the frame that has to reach the target, m.
+            robot's tool frame to the frame that has to reach the target, m, or the place of
+            that frame alone, which does not turn it.
         threads : int, optional
             Number of threads; default as set by `agrik_fast.set_num_threads` or the
             environment variable ``AGRIK_NUM_THREADS``, else one per core.
@@ -234,7 +236,7 @@ class InverseKinematics:
             solver,
             q0,
             seed,
-            tool,
+            tool if tool is None else frame_of("tool", tool),
             threads,
             position_tolerance,
             orientation_tolerance,
@@ -319,8 +321,9 @@ class InverseKinematics:
                 raise ArgumentError("rate_hz", shown(rate_hz), "none beside max_change")
             max_change = self._change_of_a_call(real_number("rate_hz", rate_hz, 0, open_low=True))
         recipe = (_solver, (self, task, solver, seed, tool, *tolerances, second_aim, max_change))
+        offset = tool if tool is None else frame_of("tool", tool)
         return self._chain.solver(
-            task, solver, seed, tool, *tolerances, second_aim, max_change, recipe
+            task, solver, seed, offset, *tolerances, second_aim, max_change, recipe
         )
 
     def _change_of_a_call(self, rate_hz: float) -> FloatArray:
@@ -410,7 +413,7 @@ class InverseKinematics:
             pull,
             task,
             seed,
-            tool,
+            tool if tool is None else frame_of("tool", tool),
             position_tolerance,
             orientation_tolerance,
             tolerance_frame,
@@ -470,7 +473,8 @@ class InverseKinematics:
         >>> bool(history[-1] < history[0])
         True
         """
-        return self._chain.cost_history(target, solver, task, q0, seed, tool)
+        offset = tool if tool is None else frame_of("tool", tool)
+        return self._chain.cost_history(target, solver, task, q0, seed, offset)
 
     @property
     def closed_form(self) -> str | None:
@@ -520,7 +524,7 @@ class InverseKinematics:
             Of the values a whole turn apart that a joint's limits allow, the one nearest to
             this is returned, and angles that a singularity leaves open are taken from it.
             Default: the middle of the limits.
-        tool : array_like, shape (4, 4), optional
+        tool : array_like, shape (4, 4) or (3,), optional
             An offset behind the robot's own tool for this call, as for `ik`, m.
         threads : int, optional
             Number of threads, as for `ik`.
@@ -609,7 +613,7 @@ class InverseKinematics:
         return self._chain.ik_all(
             targets,
             q0,
-            tool,
+            tool if tool is None else frame_of("tool", tool),
             threads,
             arm_angle,
             position_tolerance,
@@ -662,7 +666,7 @@ class InverseKinematics:
         ----------
         target : array_like, shape (4, 4)
             Pose of the tool in the base frame; m.
-        tool : array_like, shape (4, 4), optional
+        tool : array_like, shape (4, 4) or (3,), optional
             An offset behind the robot's own tool for this call, as for `ik`, m.
 
         Returns
@@ -684,7 +688,8 @@ class InverseKinematics:
         >>> len(intervals), intervals[0].shape[1]
         (8, 2)
         """
-        found = self._chain.arm_angle_intervals(target, tool)
+        offset = tool if tool is None else frame_of("tool", tool)
+        found = self._chain.arm_angle_intervals(target, offset)
         return tuple(np.array(one, dtype=np.float64).reshape(-1, 2) for one in found)
 
     def ik_stream(

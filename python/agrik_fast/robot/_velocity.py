@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _native
-from .._checks import FloatArray, float_array, real_number, word
+from .._checks import FloatArray, float_array, frame_of, real_number, word
 from ..errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ class DifferentialKinematics:
             As for `ik`; "near" without a posture is near the middle.
         gain : float, 1/s, default 1
             How quickly the second aim is gone after: rates are `gain` times its slope.
-        tool : array_like, shape (4, 4), optional
+        tool : array_like, shape (4, 4) or (3,), optional
             As for `ik`: the twist is that of a frame this offset, m, behind the robot's tool. Each
             call makes a robot with that tool; loops make theirs once, by `with_tool`.
         threads : int, optional
@@ -115,9 +115,9 @@ class DifferentialKinematics:
         True
         """
         if tool is not None:
-            offset = float_array("tool", tool)
+            offset = frame_of("tool", tool)
             if offset.shape != (4, 4):
-                raise ArgumentError("tool", f"shape {offset.shape}", "shape (4, 4)")
+                raise ArgumentError("tool", f"shape {offset.shape}", "shape (4, 4) or (3,)")
             return self.with_tool(self._chain.tool @ offset).velocity(
                 q,
                 twist,

@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import AgrikError
 from ..robot import LOOKS, Look, Robot
 from ._camera import viewpoint
-from ._session import TASKS, Branch, Session, solvers
+from ._session import TASKS, Branch, Session
 from ._stage import Stage
 from ._worker import Worker
 
@@ -80,7 +80,7 @@ class Panel:
         self._robot = gui.add_dropdown(
             "robot", names if source in names else (source, *names), initial_value=source
         )
-        self._solver = gui.add_dropdown("solver", solvers(), initial_value=session.solver)
+        self._solver = gui.add_dropdown("solver", session.solvers(), initial_value=session.solver)
         self._task = gui.add_dropdown("task", TASKS, initial_value=session.task)
         self._numbers = [
             gui.add_number(label, 0.0, step=0.001 if "[m]" in label else 0.1) for label in _FIELDS

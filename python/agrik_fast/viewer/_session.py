@@ -18,6 +18,8 @@ from ..errors import AgrikError
 from ..result import Status
 from ..robot import Robot
 from ..rotations import pose, rpy_of
+from ..solvers import Solver
+from ._sources import GivenSolver
 from ._words import Outcome, headline, joints_at_limits, length
 
 TASKS = ("pose", "position", "axis")
@@ -46,12 +48,19 @@ class Session:
     source : str or path
         What it was loaded by, for scripts.
     scene : Scene, optional
+    given : GivenSolver, optional
+        A solver that can be chosen besides those with names.
     """
 
     def __init__(
-        self, robot: Robot, source: str | PathLike[str], scene: Scene | None = None
+        self,
+        robot: Robot,
+        source: str | PathLike[str],
+        scene: Scene | None = None,
+        given: GivenSolver | None = None,
     ) -> None:
         self.scene = scene
+        self.given = given
         self.avoid = scene is not None
         self.clear = 0.0
         self.load(robot, source)
@@ -116,6 +125,15 @@ class Session:
 
     # -- solving -------------------------------------------------------------------------
 
+    def solvers(self) -> tuple[str, ...]:
+        """Return the names of the solvers that can be chosen."""
+        return solver_names() if self.given is None else (self.given.label, *solver_names())
+
+    @property
+    def _solver(self) -> Solver | str:
+        given = self.given
+        return self.solver if given is None or self.solver != given.label else given.solver
+
     def solve(self) -> Outcome:
         """Look for a posture from the present one on; it becomes the arm's where it holds."""
         begin = time.perf_counter()
@@ -124,7 +142,7 @@ class Session:
             found = self.robot.ik(
                 self.target,
                 task=self.task,
-                solver=self.solver,
+                solver=self._solver,
                 q0=self.q,
                 scene=self.collides_with if guarded else None,
                 clear=self.clear if guarded else 0.0,
@@ -261,10 +279,13 @@ class Session:
     def python(self) -> str:
         """Return a script of four lines that gives the same posture."""
         rows = ", ".join(str([float(x) for x in row]) for row in self.target)
+        solver = repr(self.solver)
+        if self.given is not None and self.solver == self.given.label:
+            solver = self.given.python
         return (
             "import agrik_fast as ik\n"
             f"arm = ik.Robot.load({self.source!r})\n"
-            f"result = arm.ik([{rows}], task={self.task!r}, solver={self.solver!r}, "
+            f"result = arm.ik([{rows}], task={self.task!r}, solver={solver}, "
             f"q0={[float(x) for x in self.q]})\n"
             "print(result.success, result.q)\n"
         )
@@ -274,11 +295,6 @@ class Session:
         robot = self.robot
         words = f"{robot.dof} joints, reach {length(robot.reach_radius)}"
         return f"{words}. {robot.description}" if robot.description else words
-
-
-def solvers() -> tuple[str, ...]:
-    """Return the names of the solvers that can be chosen."""
-    return solver_names()
 
 
 def comfortable(robot: Robot, scene: Scene | None = None) -> FloatArray:

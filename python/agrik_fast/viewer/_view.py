@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks import float_array, shown, text, whole_number, word
-from .._names import solver_names
 from ..collision import Scene
 from ..errors import ArgumentError
 from ..robot import LOOKS, Look, Robot
+from ..solvers import Solver
 from ._panel import Panel
 from ._server import open_server, stop_server
 from ._session import Session
-from ._sources import load, load_scene
+from ._sources import load, load_scene, load_solver
 from ._tabs import Tabs
 
 _LARGEST_PORT = 65535
@@ -164,7 +164,7 @@ def view(
     targets: ArrayLike | None = None,
     path: str | PathLike[str] | None = None,
     q: ArrayLike | None = None,
-    solver: str = "lm",
+    solver: Solver | str | PathLike[str] = "lm",
     show: Look = "auto",
     host: str = "127.0.0.1",
     port: int = 8080,
@@ -184,8 +184,9 @@ def view(
         A file of targets to follow, or of postures from ``agrik-fast solve``, to play.
     q : array_like, shape (dof,), rad or m, optional
         Posture at first; by default one with room to all limits.
-    solver : str, default "lm"
-        Solver at first, by its name.
+    solver : solver, str or path, default "lm"
+        Solver at first, by its name; a gain file (.toml or .json), with the solver's usual start
+        and restarts; or as it is. The latter two stand in the panel's list before the names.
     show : {"auto", "chain", "bodies", "visuals"}, default "auto"
         What the arm is shown as, see `Robot.surfaces`.
     host : str, default "127.0.0.1"
@@ -223,11 +224,13 @@ def view(
         raise ArgumentError("host", shown(host), "an address of this machine")
     whole_number("port", port, 0, _LARGEST_PORT)
     surroundings = load_scene(scene)
-    session = Session(arm, source, surroundings)
-    session.solver = word("solver", solver, solver_names())
+    chosen = load_solver(solver)
+    given = None if isinstance(chosen, str) else chosen
+    session = Session(arm, source, surroundings, given)
+    session.solver = chosen if isinstance(chosen, str) else chosen.label
     if q is not None:
         session.move_joints(posture(arm, q))
-    elif solver != "lm":
+    elif session.solver != "lm":
         session.aim(session.target, remember=False)
     way = None if path is None else Path(path)
     server = open_server(host, port)

@@ -178,8 +178,8 @@ def eye_to_hand(camera: ArrayLike, base: ArrayLike) -> CameraPose:
     --------
     >>> from agrik_fast.vision import eye_to_hand
     >>> points = np.random.default_rng(1).uniform(size=(6, 3))
-    >>> eye_to_hand(points, points + [0.1, 0.0, 0.0]).pose[:3, 3].round(6).tolist()
-    [0.1, -0.0, 0.0]
+    >>> (eye_to_hand(points, points + [0.1, 0.0, 0.0]).pose[:3, 3].round(6) + 0.0).tolist()
+    [0.1, 0.0, 0.0]
     """
     seen, touched = float_array("camera", camera), float_array("base", base)
     for name, value in (("camera", seen), ("base", touched)):
