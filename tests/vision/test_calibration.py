@@ -141,13 +141,13 @@ def test_hand_eye_is_exact_without_noise() -> None:
         assert found.translation_residual < 1e-9
 
 
-# Median and 95 % of the specification: degrees, then mm. Of 400 draws the method has 0.14/0.26 and
-# 0.95/1.8, and 0.34/0.66 and 2.3/4.4; of 60 the rotation's 95 % scatter by 15 %.
+# Median and 95 % of the specification: degrees, then mm. Of 400 draws the method has about half of
+# them; Park's closed form alone is over three of the eight.
 @pytest.mark.parametrize(
     ("noise_m", "noise_deg", "degrees", "millimetres"),
     [
-        (0.0005, 0.2, (0.16, 1.15 * 0.25), (0.89, 1.95)),
-        (0.001, 0.5, (0.40, 1.15 * 0.69), (2.1, 4.6)),
+        (0.0005, 0.2, (0.6 * 0.16, 0.7 * 0.25), (0.7 * 0.89, 0.7 * 1.95)),
+        (0.001, 0.5, (0.6 * 0.40, 0.7 * 0.69), (0.7 * 2.1, 0.7 * 4.6)),
     ],
 )
 def test_hand_eye_with_noise(

@@ -16,6 +16,10 @@ __all__ = ["CameraPose", "eye_to_hand", "hand_eye"]
 
 _FEWEST_POINTS = 6
 _PARALLEL = 0.1
+# Rounds of refinement, the step at which it ends, and what counts as no error at all.
+_ROUNDS, _STILL, _NOTHING = 12, 1e-9, 1e-12
+# What a radian of error may count, m: between a board at arm's length and one at a finger's.
+_RADIAN = (0.01, 1.0)
 
 
 @dataclass(frozen=True)
@@ -59,25 +63,23 @@ def _poses(name: str, value: ArrayLike) -> FloatArray:
     return poses
 
 
-def _log(turn: FloatArray) -> FloatArray:
-    """Return the rotation vector of a rotation matrix."""
+def _logs(turns: FloatArray) -> FloatArray:
+    """Return the rotation vectors of rotation matrices, shape (n, 3)."""
     # By the quaternion, which is sure for half turns as well.
-    k = np.array(
-        [
-            [turn[0, 0] - turn[1, 1] - turn[2, 2], 0, 0, 0],
-            [turn[0, 1] + turn[1, 0], turn[1, 1] - turn[0, 0] - turn[2, 2], 0, 0],
-            [turn[0, 2] + turn[2, 0], turn[1, 2] + turn[2, 1], 0, 0],
-            [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1], 0],
-        ]
-    )
-    k[2, 2] = turn[2, 2] - turn[0, 0] - turn[1, 1]
-    k[3, 3] = np.trace(turn)
-    x, y, z, w = np.linalg.eigh(k)[1][:, -1]
-    axis = np.array([x, y, z]) * (1.0 if w >= 0 else -1.0)
-    size = float(np.linalg.norm(axis))
-    if size < 1e-15:
-        return 2 * axis
-    return np.asarray(2 * np.arctan2(size, abs(w)) * axis / size)
+    k = np.zeros((len(turns), 4, 4))
+    m = turns.transpose(1, 2, 0)
+    k[:, 0, 0] = m[0, 0] - m[1, 1] - m[2, 2]
+    k[:, 1, 0], k[:, 1, 1] = m[0, 1] + m[1, 0], m[1, 1] - m[0, 0] - m[2, 2]
+    k[:, 2, 0], k[:, 2, 1] = m[0, 2] + m[2, 0], m[1, 2] + m[2, 1]
+    k[:, 2, 2] = m[2, 2] - m[0, 0] - m[1, 1]
+    k[:, 3, 0], k[:, 3, 1] = m[2, 1] - m[1, 2], m[0, 2] - m[2, 0]
+    k[:, 3, 2], k[:, 3, 3] = m[1, 0] - m[0, 1], m[0, 0] + m[1, 1] + m[2, 2]
+    best = np.linalg.eigh(k)[1][:, :, -1]
+    axes, cosine = best[:, :3] * np.where(best[:, 3:] >= 0, 1.0, -1.0), np.abs(best[:, 3])
+    sizes = np.linalg.norm(axes, axis=1)
+    # Twice the axis where there is hardly a turn.
+    factor = np.where(sizes < 1e-15, 2.0, 2 * np.arctan2(sizes, cosine) / np.maximum(sizes, 1e-15))
+    return np.asarray(axes * factor[:, None])
 
 
 def _turn_between(first: FloatArray, second: FloatArray) -> FloatArray:
@@ -87,11 +89,77 @@ def _turn_between(first: FloatArray, second: FloatArray) -> FloatArray:
     return np.asarray(u @ np.diag([1.0, 1.0, sign]) @ v)
 
 
+def _middle(poses: FloatArray) -> FloatArray:
+    """Return the pose next to many that are nearly the same."""
+    u, _, v = np.linalg.svd(poses[:, :3, :3].mean(axis=0))
+    mean = np.eye(4)
+    mean[:3, :3] = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ v))]) @ v
+    mean[:3, 3] = poses[:, :3, 3].mean(axis=0)
+    return mean
+
+
+def _cross(vectors: FloatArray) -> FloatArray:
+    """Return the matrices that multiply crosswise, shape (n, 3, 3)."""
+    x, y, z = vectors.T
+    zero = np.zeros(len(vectors))
+    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
+    return np.asarray(np.array(rows).transpose(2, 0, 1))
+
+
+def _refined(gripper: FloatArray, board: FloatArray, camera: FloatArray) -> FloatArray:
+    """Return the camera's pose by which the board's are told best, from a first one.
+
+    Every measured pose is once in the sum, where pairs hold it many times, and its place tells of
+    the rotation as well. What a rotation counts against a place follows from how much is left of
+    either, so that nobody has to know the noise.
+    """
+    count = len(gripper)
+    turns = gripper[:, :3, :3]
+    still = _middle(gripper @ camera @ board)
+    for _ in range(_ROUNDS):
+        told = np.linalg.inv(gripper @ camera) @ still
+        turn = _logs(board[:, :3, :3] @ told[:, :3, :3].transpose(0, 2, 1))
+        shift = board[:, :3, 3] - told[:, :3, 3]
+        turned, shifted = float(np.sqrt(np.mean(turn**2))), float(np.sqrt(np.mean(shift**2)))
+        if turned < _NOTHING and shifted < _NOTHING:
+            break
+        radian = min(max(shifted / max(turned, _NOTHING), _RADIAN[0]), _RADIAN[1])
+        # To first order: small turns and shifts of the camera in the gripper's frame, then those
+        # of the board in the base's.
+        rows = np.zeros((count, 6, 12))
+        back = camera[:3, :3].T
+        rows[:, :3, :3] = radian * np.eye(3)
+        rows[:, :3, 6:9] = -radian * told[:, :3, :3]
+        rows[:, 3:, :3] = -_cross(told[:, :3, 3])
+        rows[:, 3:, 3:6] = back
+        rows[:, 3:, 9:] = -back @ turns.transpose(0, 2, 1)
+        left = np.concatenate([radian * turn, shift], axis=1)
+        step = -np.linalg.lstsq(rows.reshape(-1, 12), left.ravel(), rcond=None)[0]
+        camera, still = _moved(camera, step[:6]), _moved(still, step[6:])
+        if np.abs(step).max() < _STILL:
+            break
+    return camera
+
+
+def _moved(pose: FloatArray, step: FloatArray) -> FloatArray:
+    """Return a pose, turned in its own frame and shifted in the one that it is told in."""
+    angle = float(np.linalg.norm(step[:3]))
+    axis = step[:3] / angle if angle > 0 else np.zeros(3)
+    k = _cross(axis[None])[0]
+    turn = np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k
+    moved = pose.copy()
+    moved[:3, :3] = pose[:3, :3] @ turn
+    moved[:3, 3] += step[3:]
+    return moved
+
+
 def hand_eye(gripper: ArrayLike, board: ArrayLike) -> CameraPose:
-    """Return the pose of a camera that the gripper carries (Park and Martin's method).
+    """Return the pose of a camera that the gripper carries.
 
     A X = X B for all pairs of poses: A how the gripper moved, B how the board did in the camera's
-    frame. The rotation is that between the rotation vectors, then the place by least squares.
+    frame. The rotation is that between the rotation vectors, then the place by least squares (Park
+    and Martin). From there the camera's and the board's pose are moved until the measured poses of
+    the board are told best, rotations and places weighted by what is left of them.
 
     Parameters
     ----------
@@ -123,12 +191,9 @@ def hand_eye(gripper: ArrayLike, board: ArrayLike) -> CameraPose:
         raise ArgumentError("board", f"{len(c)} poses", f"as many as gripper, {len(g)}")
     if len(g) < 3:
         raise CalibrationRefusedError(f"{len(g)} poses were given, 3 or more are needed")
-    moves = []
-    for i, j in combinations(range(len(g)), 2):
-        a = np.linalg.inv(g[j]) @ g[i]
-        b = c[j] @ np.linalg.inv(c[i])
-        moves.append((a, b, _log(a[:3, :3]), _log(b[:3, :3])))
-    alphas = np.array([move[2] for move in moves])
+    i, j = (np.array(each) for each in zip(*combinations(range(len(g)), 2), strict=True))
+    a, b = np.linalg.inv(g[j]) @ g[i], c[j] @ np.linalg.inv(c[i])
+    alphas, betas = _logs(a[:, :3, :3]), _logs(b[:, :3, :3])
     sizes = np.linalg.norm(alphas, axis=1)
     axes = alphas[sizes > 1e-6] / sizes[sizes > 1e-6][:, None]
     spread = np.linalg.svd(axes, compute_uv=False) / np.sqrt(max(len(axes), 1))
@@ -137,13 +202,14 @@ def hand_eye(gripper: ArrayLike, board: ArrayLike) -> CameraPose:
             "all rotations of the gripper are about parallel axes, so the camera's place along "
             "them cannot be told: turn it about two axes or more, or use eye_to_hand"
         )
-    betas = np.array([move[3] for move in moves])
     turn = _turn_between(betas, alphas)
-    rows = np.concatenate([a[:3, :3] - np.eye(3) for a, _, _, _ in moves])
-    right = np.concatenate([turn @ b[:3, 3] - a[:3, 3] for a, b, _, _ in moves])
-    place = np.linalg.lstsq(rows, right, rcond=None)[0]
+    rows = (a[:, :3, :3] - np.eye(3)).reshape(-1, 3)
+    right = (b[:, :3, 3] @ turn.T - a[:, :3, 3]).ravel()
     pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = turn, place
+    pose[:3, :3], pose[:3, 3] = turn, np.linalg.lstsq(rows, right, rcond=None)[0]
+    pose = _refined(g, c, pose)
+    turn, place = pose[:3, :3], pose[:3, 3]
+    right = (b[:, :3, 3] @ turn.T - a[:, :3, 3]).ravel()
     off = np.linalg.norm(alphas - betas @ turn.T, axis=1)
     shifts = np.linalg.norm((rows @ place - right).reshape(-1, 3), axis=1)
     return CameraPose(
