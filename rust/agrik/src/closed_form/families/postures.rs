@@ -187,10 +187,16 @@ pub struct Candidates<R> {
 
 impl<R: Real> Candidates<R> {
     /// Puts what reaches the goals into their sets: lane `i` into `sets[i]`, or all of `lanes`
-    /// lanes into the only one.
+    /// lanes into the only one. `left` is what is left to the goals, squared.
     #[inline(always)]
-    pub fn settle(&self, serial: &Serial<6>, goal: &Rigid<R>, lanes: usize, sets: &mut [Set]) {
-        let (_, mut left, _) = serial.errors(&self.q, goal);
+    pub fn settle(
+        &self,
+        serial: &Serial<6>,
+        (goal, left): (&Rigid<R>, R),
+        lanes: usize,
+        sets: &mut [Set],
+    ) {
+        let mut left = left;
         let used = u32::MAX >> (32 - lanes as u32);
         let near = R::bits(left.lt(R::splat(FAR))) & !self.merged & used;
         let rough = near & !R::bits(left.le(R::splat(FINE * FINE)));
