@@ -212,8 +212,9 @@ impl ThreeParallel {
         let at = turned_about(axis6, back6, turned_about(axis5, back5, at));
         let at = [at[0] + meeting[0], at[1] + meeting[1], at[2] + meeting[2]];
         let d = sub(rest.apply(at), splat3(self.second));
-        let sum = unit_pair(dot(n, cross(across, v)), dot(across, v));
+        let sum = (dot(n, cross(across, v)), dot(across, v));
         let angles = atan2_each([sum.0, five.turn.0, six.0], [sum.1, five.turn.1, six.1]);
+        let sum = unit_pair(sum.0, sum.1);
         Wrist { five, six, sum, angles, way: axpy(n, -dot(n, d), d), open }
     }
 
