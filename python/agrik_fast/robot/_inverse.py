@@ -618,9 +618,10 @@ class InverseKinematics:
             tolerance_frame,
             locked,
             sweep,
-            truth_value("wrap", wrap),
+            # The usual ones without a call: a single pose takes little more than a microsecond.
+            wrap is not False and truth_value("wrap", wrap),
             task,
-            word("invalid", invalid, INVALID),
+            invalid if invalid is INVALID[0] else word("invalid", invalid, INVALID),
         )
 
     def arm_angle(self, q: ArrayLike) -> FloatArray:

@@ -245,3 +245,66 @@ fn solve<R: Real>(mut columns: [[R; 6]; 6], mut right: [R; 6]) -> [R; 6] {
 fn flat(v: V3<f64>, z: V3<f64>) -> V3<f64> {
     axpy(z, -dot(z, v), v)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::screws::Screw;
+    use super::*;
+    use crate::random::Sequence;
+
+    fn arm(random: &mut Sequence) -> Screws {
+        let mut vector = || [0; 3].map(|_| random.normal());
+        let mut joint = || {
+            let (v, point) = (vector(), vector());
+            Screw { axis: scale(v, 1.0 / dot(v, v).sqrt()), point }
+        };
+        let joints = (0..6).map(|_| joint()).collect();
+        Screws { joints, tool: Rigid { shift: vector(), ..Rigid::identity() } }
+    }
+
+    #[test]
+    fn angles_and_their_sines_and_cosines_miss_a_goal_by_the_same() {
+        let mut random = Sequence::new(8);
+        for _ in 0..50 {
+            let screws = arm(&mut random);
+            let serial = Serial::<6>::new(&screws).unwrap();
+            let q: [f64; 6] = std::array::from_fn(|_| 6.0 * random.uniform() - 3.0);
+            let goal = screws.pose(&std::array::from_fn::<f64, 6, _>(|_| random.uniform()));
+            let (_, far, _) = serial.errors(&q, &goal);
+            let left = serial.left(&q.map(f64::sin_cos), &goal);
+            assert!((left - far).abs() < 1e-12 * far, "{left} {far}");
+            assert!(serial.left(&q.map(f64::sin_cos), &screws.pose(&q)) < 1e-26);
+        }
+    }
+
+    #[test]
+    fn a_step_solves_six_equations() {
+        let mut random = Sequence::new(9);
+        for _ in 0..50 {
+            let columns = [[0; 6]; 6].map(|column| column.map(|_| random.normal()));
+            let x = [0; 6].map(|_| random.normal());
+            let mut right = [0.0; 6];
+            for (column, x) in columns.iter().zip(x) {
+                for (sum, entry) in right.iter_mut().zip(column) {
+                    *sum += entry * x;
+                }
+            }
+            let found = solve(columns, right);
+            assert!(found.iter().zip(x).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {x:?}");
+        }
+    }
+
+    #[test]
+    fn lines_that_pass_by_do_not_meet() {
+        let mut random = Sequence::new(10);
+        for _ in 0..50 {
+            let mut screws = arm(&mut random);
+            assert!(screws.pass_by(3..6, 1e-7));
+            let point = screws.joints[3].point;
+            for joint in &mut screws.joints[4..] {
+                joint.point = axpy(joint.axis, random.normal(), point);
+            }
+            assert!(!screws.pass_by(3..6, 1e-12));
+        }
+    }
+}

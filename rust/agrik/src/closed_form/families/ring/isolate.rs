@@ -284,3 +284,34 @@ fn part<R: Real>(b: &[f64; WIDE], shares: &[[f64; WIDE]; COUNT], out: &mut [f64;
         (sums[0] + sums[1]).store(&mut out[at..]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Sequence;
+
+    #[test]
+    fn halves_are_de_casteljaus() {
+        let mut random = Sequence::new(3);
+        let mut b = [0.0; WIDE];
+        for x in &mut b[..COUNT] {
+            *x = random.normal();
+        }
+        let (mut left, mut right) = ([0.0; COUNT], b);
+        left[0] = b[0];
+        for level in 1..COUNT {
+            for i in 0..COUNT - level {
+                right[i] = 0.5 * (right[i] + right[i + 1]);
+            }
+            left[level] = right[0];
+        }
+        let mut found = [[0.0; WIDE]; 2];
+        for (side, out) in found.iter_mut().enumerate() {
+            part::<f64>(&b, &HALVES[side], out);
+        }
+        for i in 0..COUNT {
+            assert!((found[0][i] - left[i]).abs() < 1e-14);
+            assert!((found[1][i] - right[i]).abs() < 1e-14);
+        }
+    }
+}
