@@ -4,7 +4,7 @@ Postures uniform in -pi to pi make the poses; a posture that is not among the br
 pose within 1e-5 rad is missed. Every branch is held against forward kinematics. With `--starts`
 the branches of a few poses are held against many starts of the numeric solver, which also
 notices pairs that are missed together. Peers are timed in the same run where they are installed
-(``eaik``: see `requirements/`). One thread; CPU time.
+(``eaik``, ``ssik``: see `requirements/`). One thread; CPU time.
 
     .venv/bin/python benches/branches.py --poses 2000
     .venv/bin/python benches/branches.py --poses 100000 --starts 200 --json branches.json
@@ -32,7 +32,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 from agrik_fast import Robot, set_num_threads, solvers
 from agrik_fast.result import Warnings
-from branch_arms import apart, holds, of_reference, reference, robot
+from branch_arms import apart, holds, of_reference, read_off, reference, robot
 
 Array = NDArray[np.float64]
 BLOCK = 5_000
@@ -179,7 +179,12 @@ def against_starts(arm: Robot, poses: int, rng: np.random.Generator) -> dict[str
 
 
 def peers(count: int) -> list[dict[str, Any]]:
-    """Return times and sets of EAIK beside ours, where it is installed."""
+    """Return times and sets of others beside ours, of those that are installed."""
+    return eaik(count) + ssik(count // 10)
+
+
+def eaik(count: int) -> list[dict[str, Any]]:
+    """Return the same of EAIK."""
     try:
         from eaik.IK_HP import HPRobot
     except ImportError:
@@ -214,6 +219,42 @@ def _beside_eaik(name: str, given: dict[str, Any], maker: Any, count: int) -> di
         "eaik_batch_us": cpu_us(lambda: peer.IK_batched(list(seen), 1), count),
         "single_us": cpu_us(lambda: [arm.ik_all(pose) for pose in poses], count),
         "batch_us": min(cpu_us(lambda: arm.ik_all(poses), count) for _ in range(3)),
+    }
+
+
+# Arms for which ssik brings what it prepared.
+SSIK = ("jaco2", "xarm6", "piper", "gen3_lite", "fanuc_crx10ia", "m1013", "hc10", "xmatecr7")
+
+
+def ssik(count: int) -> list[dict[str, Any]]:
+    """Return the same of ssik, as it comes (to 1e-5) and with its refinement."""
+    try:
+        from ssik import Manipulator
+    except ImportError:
+        return []
+    return [_beside_ssik(name, Manipulator.from_prebuilt(f"{name}_ik"), count) for name in SSIK]
+
+
+def _beside_ssik(name: str, peer: Any, count: int) -> dict[str, Any]:
+    arm = read_off(peer.fk)
+    poses = arm.fk(np.random.default_rng(22).uniform(-np.pi, np.pi, (max(count, 1), 6)))
+
+    def their(refined: bool) -> list[Any]:
+        wishes = {"respect_limits": False, "enumerate_windings": False}
+        return [peer.solve(pose, allow_refinement=refined, **wishes) for pose in poses]
+
+    many = np.repeat(poses, -(-1_000 // len(poses)), axis=0)
+    times = {refined: cpu_us(lambda r=refined: their(r), len(poses)) for refined in (False, True)}
+    ours, batch = arm.ik_all(poses), min(cpu_us(lambda: arm.ik_all(many), len(many)) for _ in "abc")
+    counts = [len(found) for found in their(True)]
+    return {
+        "arm": name,
+        "same_counts": f"{int((ours.reached.sum(axis=1) == counts).sum())}/{len(poses)}",
+        "ssik_us": times[False],
+        "ssik_refined_us": times[True],
+        "single_us": cpu_us(lambda: [arm.ik_all(pose) for pose in poses], len(poses)),
+        "batch_us": batch,
+        "ratio": times[False] / batch,
     }
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from agrik_fast import Robot
 
@@ -86,3 +87,18 @@ def holds(branches: Any, q: Array, tolerance: float = 1e-5) -> NDArray[np.bool_]
     """Tell for which targets the posture that made them is among the branches."""
     far = apart(branches.q, q[:, None]).max(axis=2)
     return np.asarray((far < tolerance) & branches.reached).any(axis=1)
+
+
+def read_off(fk: Callable[[Array], ArrayLike]) -> Robot:
+    """Return the arm of six joints that a forward kinematics belongs to."""
+    home = np.asarray(fk(np.zeros(6)))
+    axes, points = [], []
+    for joint in range(6):
+        quarter = np.zeros(6)
+        quarter[joint] = np.pi / 2
+        moved = np.asarray(fk(quarter)) @ np.linalg.inv(home)
+        skew = 0.5 * (moved[:3, :3] - moved[:3, :3].T)
+        axis = np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
+        axes.append(axis / np.linalg.norm(axis))
+        points.append(np.linalg.lstsq(np.eye(3) - moved[:3, :3], moved[:3, 3], rcond=1e-9)[0])
+    return robot(np.array(axes), np.array(points), home)

@@ -4,14 +4,11 @@ ssik (Python, C++) eliminates a pair of joints inside the arm, in a build of its
 arm; it gets the poses, and its arms are read off its forward kinematics.
 """
 
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
 import ssik
 
-from branch_arms import apart, robot
+from branch_arms import apart, read_off
 
 POSES = 40
 ARMS = (
@@ -30,25 +27,10 @@ ARMS = (
 )
 
 
-def as_robot(peer: Any) -> Any:
-    """Return the arm that a forward kinematics belongs to."""
-    home = np.asarray(peer.fk(np.zeros(6)))
-    axes, points = [], []
-    for joint in range(6):
-        quarter = np.zeros(6)
-        quarter[joint] = np.pi / 2
-        moved = np.asarray(peer.fk(quarter)) @ np.linalg.inv(home)
-        skew = 0.5 * (moved[:3, :3] - moved[:3, :3].T)
-        axis = np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
-        axes.append(axis / np.linalg.norm(axis))
-        points.append(np.linalg.lstsq(np.eye(3) - moved[:3, :3], moved[:3, 3], rcond=1e-9)[0])
-    return robot(axes, points, home)
-
-
 @pytest.mark.parametrize("name", ARMS)
 def test_the_same_branches_as_ssik(name: str) -> None:
     peer = ssik.Manipulator.from_prebuilt(name)
-    arm = as_robot(SimpleNamespace(fk=peer.fk))
+    arm = read_off(peer.fk)
     q = np.random.default_rng(17).uniform(-np.pi, np.pi, (POSES, 6))
     poses = arm.fk(q)
     assert np.abs(poses[0] - np.asarray(peer.fk(q[0]))).max() < 1e-10

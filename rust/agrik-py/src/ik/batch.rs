@@ -119,6 +119,15 @@ fn branches_of<'py>(
         .transpose()?
         .map(|count| count as usize);
     if !locked.is_empty() || sweep.is_some() || wishes.wrap || !family {
+        if call.targets.is_single()
+            && locked.is_empty()
+            && sweep.is_none()
+            && !wishes.wrap
+            && wishes.arm_angle.is_none()
+            && let Some(alone) = closed_form::alone_of_six(&request)
+        {
+            return Ok(Branches::of_one(chain.dof(), alone));
+        }
         let (locks, angle, threads) = (locked.locks()?, angles.values()?, call.options.threads);
         let ask = Ask { locks: &locks, angle, sweep, wrap: wishes.wrap };
         let mut signals = Signals::new();

@@ -1,5 +1,7 @@
 //! The record of all branches of a call; its arrays are made when they are asked for.
 
+use std::sync::OnceLock;
+
 use agrik::call::Status;
 use agrik::closed_form::{self, Alone};
 use numpy::{PyArrayDyn, PyArrayMethods};
@@ -21,18 +23,41 @@ pub struct Branches {
     solved: usize,
     /// The branches of a single target, in place of the columns' own numbers.
     alone: Option<Box<Alone>>,
+    /// Of a single target made when the first of them is asked for.
+    columns: OnceLock<Box<Columns>>,
+    /// Codes to be added to the warnings, one a target or none at all.
+    more: Vec<u8>,
+}
+
+/// The columns of a record.
+struct Columns {
     q: Column<f64>,
     valid: Column<bool>,
     reached: Column<bool>,
     singular: Column<u8>,
     status: Column<u8>,
     warnings: Sparse<u8>,
-    /// Codes to be added to them, one a target or none at all.
-    more: Vec<u8>,
     free: Sparse<i8>,
     values: Sparse<f64>,
     numbers: Sparse<u32>,
     left: Sparse<f64>,
+}
+
+impl Columns {
+    fn new(all: closed_form::Branches, q: Option<Py<PyArrayDyn<f64>>>) -> Self {
+        Self {
+            q: q.map_or_else(|| Column::new(all.q), Column::made),
+            valid: Column::new(all.valid),
+            reached: Column::new(all.reached),
+            singular: Column::new(all.singular),
+            status: Column::new(all.status),
+            warnings: Sparse::new(all.warnings),
+            free: Sparse::new(all.free),
+            values: Sparse::new(all.values),
+            numbers: Sparse::new(all.numbers),
+            left: Sparse::new(all.left),
+        }
+    }
 }
 
 impl Branches {
@@ -44,8 +69,8 @@ impl Branches {
         all: closed_form::Branches,
         q: Option<Py<PyArrayDyn<f64>>>,
     ) -> Self {
-        let has = |s: &&u8| **s == Status::Converged as u8 || **s == Status::SingularFamily as u8;
-        let (solved, targets) = (all.status.iter().filter(has).count(), all.status.len());
+        let solved = all.status.iter().filter(|status| has_branch(**status)).count();
+        let targets = all.status.len();
         Self {
             shape,
             dof,
@@ -53,17 +78,8 @@ impl Branches {
             targets,
             solved,
             alone: None,
-            q: q.map_or_else(|| Column::new(all.q), Column::made),
-            valid: Column::new(all.valid),
-            reached: Column::new(all.reached),
-            singular: Column::new(all.singular),
-            status: Column::new(all.status),
-            warnings: Sparse::new(all.warnings),
+            columns: OnceLock::from(Box::new(Columns::new(all, q))),
             more: Vec::new(),
-            free: Sparse::new(all.free),
-            values: Sparse::new(all.values),
-            numbers: Sparse::new(all.numbers),
-            left: Sparse::new(all.left),
         }
     }
 
@@ -75,20 +91,15 @@ impl Branches {
             dof,
             branches,
             targets: 1,
-            solved: usize::from(alone.status() == Status::Converged),
+            solved: usize::from(has_branch(alone.status() as u8)),
             alone: Some(alone),
-            q: Column::new(Vec::new()),
-            valid: Column::new(Vec::new()),
-            reached: Column::new(Vec::new()),
-            singular: Column::new(Vec::new()),
-            status: Column::new(Vec::new()),
-            warnings: Sparse::new(Vec::new()),
+            columns: OnceLock::new(),
             more: Vec::new(),
-            free: Sparse::new(Vec::new()),
-            values: Sparse::new(Vec::new()),
-            numbers: Sparse::new(Vec::new()),
-            left: Sparse::new(Vec::new()),
         }
+    }
+
+    fn columns(&self) -> &Columns {
+        self.columns.get_or_init(|| Box::new(Columns::new(closed_form::Branches::default(), None)))
     }
 
     /// The same record with more warnings, one a target or none at all.
@@ -99,6 +110,11 @@ impl Branches {
     fn with(&self, last: &[usize]) -> Vec<usize> {
         [&self.shape, last].concat()
     }
+}
+
+/// A target with this status has a valid branch.
+fn has_branch(status: u8) -> bool {
+    status == Status::Converged as u8 || status == Status::SingularFamily as u8
 }
 
 /// A column that most calls have nothing to put into: filled when it is asked for.
@@ -143,17 +159,17 @@ impl Branches {
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let Some(one) = &self.alone else {
-            return self.q.get(py, &self.with(&[self.branches, self.dof]));
+            return self.columns().q.get(py, &self.with(&[self.branches, self.dof]));
         };
-        self.q.get_or(py, || copied(py, &[self.branches, self.dof], one.q()))
+        self.columns().q.get_or(py, || copied(py, &[self.branches, self.dof], one.q()))
     }
 
     /// Reached by forward kinematics, inside the limits, no branch twice.
     #[getter]
     fn valid<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<bool>>> {
         match &self.alone {
-            None => self.valid.get(py, &self.with(&[self.branches])),
-            Some(one) => self.valid.get_or(py, || each(py, one, Alone::valid)),
+            None => self.columns().valid.get(py, &self.with(&[self.branches])),
+            Some(one) => self.columns().valid.get_or(py, || each(py, one, Alone::valid)),
         }
     }
 
@@ -161,8 +177,8 @@ impl Branches {
     #[getter]
     fn reached<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<bool>>> {
         match &self.alone {
-            None => self.reached.get(py, &self.with(&[self.branches])),
-            Some(one) => self.reached.get_or(py, || each(py, one, Alone::reached)),
+            None => self.columns().reached.get(py, &self.with(&[self.branches])),
+            Some(one) => self.columns().reached.get_or(py, || each(py, one, Alone::reached)),
         }
     }
 
@@ -170,8 +186,8 @@ impl Branches {
     #[getter]
     fn singular<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
         match &self.alone {
-            None => self.singular.get(py, &self.with(&[self.branches])),
-            Some(one) => self.singular.get_or(py, || each(py, one, Alone::singular)),
+            None => self.columns().singular.get(py, &self.with(&[self.branches])),
+            Some(one) => self.columns().singular.get_or(py, || each(py, one, Alone::singular)),
         }
     }
 
@@ -179,15 +195,20 @@ impl Branches {
     #[getter]
     fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
         match &self.alone {
-            None => self.status.get(py, &self.shape),
-            Some(one) => self.status.get_or(py, || copied(py, &[], &[one.status() as u8])),
+            None => self.columns().status.get(py, &self.shape),
+            Some(one) => {
+                self.columns().status.get_or(py, || copied(py, &[], &[one.status() as u8]))
+            }
         }
     }
 
     /// Sums of codes of `agrik_fast.Warnings`.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
-        let own = self.warnings.get(py, &self.shape, |_| 0)?;
+        let own = self
+            .columns()
+            .warnings
+            .get(py, &self.shape, |_| self.alone.as_ref().map_or(0, |one| one.warnings()))?;
         if self.more.is_empty() {
             return Ok(own);
         }
@@ -199,25 +220,29 @@ impl Branches {
     /// Entry of `q` that a singularity leaves free, -1 for none.
     #[getter]
     fn free_joint<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<i8>>> {
-        self.free.get(py, &self.shape, |_| -1)
+        self.columns()
+            .free
+            .get(py, &self.shape, |_| self.alone.as_ref().map_or(-1, |one| one.free_joint()))
     }
 
     /// Value of the swept joint or arm angle of each branch; NaN without a sweep.
     #[getter]
     fn value<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.values.get(py, &self.with(&[self.branches]), |_| f64::NAN)
+        self.columns().values.get(py, &self.with(&[self.branches]), |_| f64::NAN)
     }
 
     /// Number of each branch among those of its value.
     #[getter]
     fn branch<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u32>>> {
-        self.numbers.get(py, &self.with(&[self.branches]), |i| (i % self.branches.max(1)) as u32)
+        self.columns()
+            .numbers
+            .get(py, &self.with(&[self.branches]), |i| (i % self.branches.max(1)) as u32)
     }
 
     /// Least angle left of targets that ask for more than the arm has joints for, rad.
     #[getter]
     fn orientation_error<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.left.get(py, &self.shape, |_| 0.0)
+        self.columns().left.get(py, &self.shape, |_| 0.0)
     }
 
     fn __len__(slf: &Bound<'_, Self>) -> PyResult<usize> {

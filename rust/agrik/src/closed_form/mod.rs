@@ -23,7 +23,7 @@ pub use calls::branches::{Branches, BranchesMut};
 pub use calls::every_branch::{Ask, every, reason};
 pub use calls::family::Family as Recognised;
 pub use calls::locked::{Lock, Values, all_locked};
-pub use calls::one_pose::{Alone, alone};
+pub use calls::one_pose::{Alone, alone, alone_of_six};
 pub use calls::query::Query;
 pub use calls::slide::Sweep;
 pub use calls::warning;

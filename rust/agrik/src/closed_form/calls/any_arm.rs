@@ -96,7 +96,7 @@ impl<'a> AnyArm<'a> {
     }
 
     /// The branches of a run.
-    fn run(&self, level: Level, like: &Six, rows: &mut BranchesMut<'_>) {
+    pub(super) fn run(&self, level: Level, like: &Six, rows: &mut BranchesMut<'_>) {
         let Solved { goals, near, mut sets, bad } =
             self.solved(level, like, rows.first, rows.len());
         for i in 0..rows.len() {

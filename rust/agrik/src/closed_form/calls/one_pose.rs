@@ -2,13 +2,16 @@
 //! call takes hardly longer than one branch would. A branch gets, bit for bit, the values
 //! that it gets in a batch, where a lane holds a target.
 
+use super::any_arm::AnyArm;
+use super::branches::BranchesMut;
 use super::last_resort;
 use super::query::{Query, Target};
-use crate::call::Status;
+use crate::call::{Request, Status};
 use crate::closed_form::branch::check::{is_exact, without_rough};
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::branch::group::Job;
 use crate::closed_form::branch::unreachable::is_out_of_reach;
+use crate::closed_form::families::every::Every;
 use crate::closed_form::geometry::candidate::{JOINTS, MOST_BRANCHES};
 use crate::lanes::{Kernel, Lanes, Level, Real, dispatch};
 use crate::task::Goal;
@@ -27,6 +30,9 @@ pub struct Alone {
     /// The same of branches that are not reached.
     flags: [u8; MOST_BRANCHES],
     status: Status,
+    /// Bits of [`super::warning`].
+    warnings: u8,
+    free: i8,
 }
 
 /// What is left between each branch and the target, and what the branch costs.
@@ -51,9 +57,13 @@ impl Left {
 impl Alone {
     /// No branch yet.
     pub(crate) fn new(job: &Job<'_>) -> Self {
+        Self::blank(job.variables().len(), job.form.branches())
+    }
+
+    fn blank(joints: usize, branches: usize) -> Self {
         Self {
-            joints: job.variables().len(),
-            branches: job.form.branches(),
+            joints,
+            branches,
             q: [0.0; MOST_BRANCHES * JOINTS],
             reached: 0,
             inside: 0,
@@ -61,7 +71,49 @@ impl Alone {
             singular: [0; MOST_BRANCHES],
             flags: [0; MOST_BRANCHES],
             status: Status::BadInput,
+            warnings: 0,
+            free: -1,
         }
+    }
+
+    /// A record whose row is filled as those of a batch are: no memory is asked for but its own.
+    pub(super) fn filled(
+        joints: usize,
+        branches: usize,
+        fill: impl FnOnce(&mut BranchesMut<'_>),
+    ) -> Box<Self> {
+        let mut out = Box::new(Self::blank(joints, branches));
+        let (mut valid, mut reached) = ([false; MOST_BRANCHES], [false; MOST_BRANCHES]);
+        let mut status = [Status::BadInput as u8];
+        let Self { q, singular, warnings, free, .. } = &mut *out;
+        fill(&mut BranchesMut {
+            first: 0,
+            q: &mut q[..branches * joints],
+            valid: &mut valid[..branches],
+            reached: &mut reached[..branches],
+            singular: &mut singular[..branches],
+            status: &mut status,
+            warnings: std::slice::from_mut(warnings),
+            free: std::slice::from_mut(free),
+            left: &mut [],
+        });
+        for b in 0..branches {
+            out.reached |= Lanes::from(reached[b]) << b;
+            out.inside |= Lanes::from(valid[b]) << b;
+        }
+        let known = Status::ALL.into_iter().find(|one| *one as u8 == status[0]);
+        out.status = known.unwrap_or(Status::BadInput);
+        out
+    }
+
+    /// What else is to be said of the target, as in [`super::Branches::warnings`].
+    pub fn warnings(&self) -> u8 {
+        self.warnings
+    }
+
+    /// Entry of `q` that a singularity leaves free, -1 for none.
+    pub fn free_joint(&self) -> i8 {
+        self.free
     }
 
     /// How many branches, existing or not.
@@ -255,6 +307,19 @@ pub fn alone(query: &Query<'_>) -> Box<Alone> {
     let mut out = Box::new(Alone::new(&job));
     dispatch(Level::in_use(), Branching { job: &job, query, out: &mut out });
     out
+}
+
+/// All branches of the only target of a request for the pose of an arm of six joints with a closed
+/// form (eight branches at most) that is none of [`ClosedForm`]; `None` for others.
+pub fn alone_of_six(request: &Request<'_>) -> Option<Box<Alone>> {
+    let every = Every::of(request.chain()).ok()?;
+    if request.len() != 1 || !request.task().fixes_pose() || every.joints() != 6 {
+        return None;
+    }
+    let arm = every.closed()?;
+    let call = AnyArm { request: *request, every, lock: None, added: None };
+    let level = Level::in_use();
+    Some(Alone::filled(6, arm.branches(), |row| call.run(level, arm, row)))
 }
 
 struct Branching<'a> {

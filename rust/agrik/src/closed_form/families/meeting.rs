@@ -101,6 +101,14 @@ impl Meeting {
             open: [(one.singular[2], wrist), (0, base)],
         }
     }
+
+    /// Puts a candidate into the sets of its goals, see [`Candidates::settle`].
+    #[inline(always)]
+    fn settle<R: Real>(&self, one: &Candidate<R>, goal: &Rigid<R>, lanes: usize, sets: &mut [Set]) {
+        let found = self.taken(one);
+        let (_, left, _) = self.serial.errors(&found.q, goal);
+        found.settle(&self.serial, (goal, left), lanes, sets);
+    }
 }
 
 struct All<'a> {
@@ -148,13 +156,13 @@ impl Kernel for All<'_> {
             if alone {
                 let both = arm.arm.side_by_side(&wanted, [0.0; 3], &preferred, 0);
                 for one in &both {
-                    arm.taken(one).settle(&arm.serial, &goal, MOST_BRANCHES / 2, own);
+                    arm.settle(one, &goal, MOST_BRANCHES / 2, own);
                 }
             } else {
                 let mut out = [Candidate::none(); MOST_BRANCHES];
                 arm.arm.solve(&wanted, [0.0; 3], &preferred, &mut out);
                 for one in out.iter().step_by(2).chain(out.iter().skip(1).step_by(2)) {
-                    arm.taken(one).settle(&arm.serial, &goal, count, own);
+                    arm.settle(one, &goal, count, own);
                 }
             }
             first += count;

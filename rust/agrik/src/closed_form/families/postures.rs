@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::closed_form::geometry::rigid::Rigid;
 use crate::closed_form::geometry::serial::Serial;
-use crate::lanes::{Lanes, Real};
+use crate::lanes::{Lanes, Real, WIDEST};
 
 /// Most postures of a goal that are kept; sixteen are all that there are, but for singular
 /// families.
@@ -187,10 +187,16 @@ pub struct Candidates<R> {
 
 impl<R: Real> Candidates<R> {
     /// Puts what reaches the goals into their sets: lane `i` into `sets[i]`, or all of `lanes`
-    /// lanes into the only one.
+    /// lanes into the only one. `left` is what is left to the goals, squared.
     #[inline(always)]
-    pub fn settle(&self, serial: &Serial<6>, goal: &Rigid<R>, lanes: usize, sets: &mut [Set]) {
-        let (_, mut left, _) = serial.errors(&self.q, goal);
+    pub fn settle(
+        &self,
+        serial: &Serial<6>,
+        (goal, left): (&Rigid<R>, R),
+        lanes: usize,
+        sets: &mut [Set],
+    ) {
+        let mut left = left;
         let used = u32::MAX >> (32 - lanes as u32);
         let near = R::bits(left.lt(R::splat(FAR))) & !self.merged & used;
         let rough = near & !R::bits(left.le(R::splat(FINE * FINE)));
@@ -206,25 +212,24 @@ impl<R: Real> Candidates<R> {
         }
         let special = self.singular.iter().fold(0, |all, lanes| all | lanes);
         let open = self.open[0].0 | self.open[1].0;
-        for lane in 0..lanes {
+        let mut marks = [(0_u8, 0_u8); WIDEST];
+        for lane in each(used & (special | open)) {
+            let (flags, free) = &mut marks[lane];
+            for (k, lanes) in self.singular.iter().enumerate() {
+                *flags |= ((lanes >> lane & 1) as u8) << k;
+            }
+            for (lanes, bit) in self.open {
+                *free |= if lanes >> lane & 1 != 0 { bit } else { 0 };
+            }
+            sets[if one { 0 } else { lane }].open |= *free;
+        }
+        for lane in each(near) {
             let set = &mut sets[if one { 0 } else { lane }];
-            let (mut flags, mut free) = (0, 0);
-            if (special | open) >> lane & 1 != 0 {
-                for (k, lanes) in self.singular.iter().enumerate() {
-                    flags |= ((lanes >> lane & 1) as u8) << k;
-                }
-                for (lanes, bit) in self.open {
-                    free |= if lanes >> lane & 1 != 0 { bit } else { 0 };
-                }
-                set.open |= free;
-            }
-            if near >> lane & 1 == 0 {
-                continue;
-            }
             let mut posture = [0.0; 6];
             for (x, from) in posture.iter_mut().zip(&q) {
                 *x = from.lane(lane);
             }
+            let (flags, free) = marks[lane];
             // Whether steps were needed is the goal's own matter, not that of its neighbours.
             if rough >> lane & 1 != 0 {
                 set.add_with(&posture, flags, free);
@@ -233,4 +238,14 @@ impl<R: Real> Candidates<R> {
             }
         }
     }
+}
+
+/// The lanes of which there is a bit, in their order.
+#[inline(always)]
+fn each(mut lanes: Lanes) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = lanes.trailing_zeros() as usize;
+        lanes &= lanes.wrapping_sub(1);
+        (lane < WIDEST).then_some(lane)
+    })
 }

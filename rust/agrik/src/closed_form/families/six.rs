@@ -13,7 +13,7 @@ use crate::lanes::Level;
 const VALUES: u32 = 48;
 
 /// An arm of six joints, by what was recognised.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum Way {
     /// Its last or first three axes meet.
     Meeting(Box<Meeting>),
@@ -24,7 +24,7 @@ pub enum Way {
 }
 
 /// An arm of six joints with all that there is to say of it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Six {
     way: Way,
     /// Why it is none of the families with a closed form, where it is none.
@@ -35,14 +35,19 @@ impl Six {
     /// The arm of six axes. `like` is one of the same arm at other values of its locked joints:
     /// what was found out about it by trials is taken over.
     pub fn new(screws: &Screws, like: Option<&Self>) -> Result<Self, String> {
-        let why = match Self::closed(screws) {
-            Ok(arm) => return Ok(arm),
-            Err(why) => why,
-        };
-        let like = match like.map(|like| &like.way) {
-            Some(Way::Ring(ring)) => Some(&**ring),
+        let known = like.and_then(|like| match &like.way {
+            Way::Ring(ring) => Some((&**ring, &like.why)),
             _ => None,
+        });
+        // At most values of a locked joint it is plain that there is no closed form.
+        let why = match known {
+            Some((_, why)) if !may_be_closed(screws) => why.clone(),
+            _ => match Self::closed(screws) {
+                Ok(arm) => return Ok(arm),
+                Err(why) => why,
+            },
         };
+        let like = known.map(|(ring, _)| ring);
         let ring = Ring::new(screws, like).ok_or("it has no six joints that turn")?;
         Ok(Self { way: Way::Ring(Box::new(ring)), why })
     }
@@ -161,4 +166,13 @@ impl Six {
             }
         }
     }
+}
+
+/// Without a look at the whole: six axes of which three may meet or be parallel.
+fn may_be_closed(screws: &Screws) -> bool {
+    let gap = EXACT * screws.gathered().length();
+    let parallel = || screws.tilt(1, 2).max(screws.tilt(2, 3)) <= EXACT;
+    screws.joints.len() != 6
+        || [3..6, 0..3].into_iter().any(|range| !screws.pass_by(range, gap))
+        || parallel()
 }

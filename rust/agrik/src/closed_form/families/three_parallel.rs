@@ -12,7 +12,7 @@ use crate::closed_form::geometry::range::Range;
 use crate::closed_form::geometry::rigid::{Rigid, turn_about, turned_about};
 use crate::closed_form::geometry::screws::{EXACT, Screws};
 use crate::closed_form::geometry::serial::Serial;
-use crate::closed_form::geometry::turn::{Root, Side, linear, unit_turn};
+use crate::closed_form::geometry::turn::{Root, Side, Turn, linear, minus, unit_pair, unit_turn};
 use crate::lanes::{
     Kernel, Lanes, Level, Real, V3, atan2, atan2_each, axpy, cross, dispatch, dot, norm, splat3,
     sub,
@@ -159,7 +159,7 @@ impl ThreeParallel {
 
     /// What the first joint leaves to the others, on a side.
     #[inline(always)]
-    fn shoulder<R: Real>(&self, goal: &Rigid<R>, near: &[R; 6], side: Side<R>) -> Shoulder<R> {
+    fn shoulder<R: Real>(&self, goal: &Rigid<R>, near: &Near<R>, side: Side<R>) -> Shoulder<R> {
         let (axis, n) = (splat3::<R>(self.axes[0]), splat3::<R>(self.axes[1]));
         let all = goal.after(&Rigid::splat(&self.untool));
         let (first, meeting) = (splat3::<R>(self.first), splat3::<R>(self.meeting));
@@ -169,7 +169,7 @@ impl ThreeParallel {
         let a = dot(n, p) - nw * wp;
         let b = -dot(n, cross(axis, p));
         let c = dot(n, sub(meeting, first)) - nw * wp;
-        let one = linear(a, b, c, OPEN, near[0].sin_cos(), side);
+        let one = linear(a, b, c, OPEN, near[0], side);
         let back = (-one.turn.0, one.turn.1);
         let axes = [
             turned_about(axis, back, all.axes[0]),
@@ -185,7 +185,7 @@ impl ThreeParallel {
 
     /// What the fifth and the sixth joint leave to the planar arm, on a side.
     #[inline(always)]
-    fn wrist<R: Real>(&self, rest: &Rigid<R>, near: &[R; 6], side: Side<R>) -> Wrist<R> {
+    fn wrist<R: Real>(&self, rest: &Rigid<R>, near: &Near<R>, side: Side<R>) -> Wrist<R> {
         let n = splat3::<R>(self.axes[1]);
         let (axis5, axis6) = (splat3::<R>(self.axes[4]), splat3::<R>(self.axes[5]));
         let meeting = splat3::<R>(self.meeting);
@@ -194,7 +194,7 @@ impl ThreeParallel {
         let a = dot(n, axis6) - nw * ww;
         let b = dot(n, cross(axis5, axis6));
         let c = dot(n, rest.turn(axis6)) - nw * ww;
-        let five = linear(a, b, c, OPEN, near[4].sin_cos(), side);
+        let five = linear(a, b, c, OPEN, near[4], side);
         let back5 = (-five.turn.0, five.turn.1);
         // The direction of the parallel axes about axis 6.
         let (from, to) = (rest.turn_back(n), turned_about(axis5, back5, n));
@@ -203,7 +203,7 @@ impl ThreeParallel {
         // Both directions are as far from the axis as the sine, so this is its square.
         let least = IN_LINE * IN_LINE;
         let open = R::bits((y * y + x * x).lt(R::splat(least * least)));
-        let six = unit_turn(y, x, least, near[5].sin_cos());
+        let six = unit_turn(y, x, least, near[5]);
         let back6 = (-six.0, six.1);
         // All three parallel joints together, and where they have to put axis 4.
         let across = splat3::<R>(self.across);
@@ -214,7 +214,8 @@ impl ThreeParallel {
         let d = sub(rest.apply(at), splat3(self.second));
         let sum = (dot(n, cross(across, v)), dot(across, v));
         let angles = atan2_each([sum.0, five.turn.0, six.0], [sum.1, five.turn.1, six.1]);
-        Wrist { five, angles, way: axpy(n, -dot(n, d), d), open }
+        let sum = unit_pair(sum.0, sum.1);
+        Wrist { five, six, sum, angles, way: axpy(n, -dot(n, d), d), open }
     }
 
     /// A posture, by the planar arm's side.
@@ -223,33 +224,53 @@ impl ThreeParallel {
         &self,
         shoulder: &Shoulder<R>,
         wrist: &Wrist<R>,
-        near: &[R; 6],
+        near: &Near<R>,
         side: Side<R>,
-    ) -> Candidates<R> {
+    ) -> (Candidates<R>, [Turn<R>; 6]) {
         let (n, axis) = (splat3::<R>(self.axes[1]), splat3::<R>(self.axes[2]));
         let (u, f, d) = (splat3::<R>(self.upper), splat3::<R>(self.fore), wrist.way);
         let a = dot(u, f);
         let b = dot(u, cross(axis, f));
         let half = R::splat(0.5);
         let c = half * (dot(d, d) - dot(u, u) - dot(f, f));
-        let three = linear(a, b, c, OPEN, near[2].sin_cos(), side);
+        let three = linear(a, b, c, OPEN, near[2], side);
         let reach = turned_about(axis, three.turn, f);
         let reach = [reach[0] + u[0], reach[1] + u[1], reach[2] + u[2]];
         let (y, x) = (dot(n, cross(reach, d)), dot(reach, d));
-        let two = unit_turn(y, x, OPEN * OPEN, near[1].sin_cos());
+        let two = unit_turn(y, x, OPEN * OPEN, near[1]);
         let (one, five) = (&shoulder.one, &wrist.five);
         let [q2, q3] = atan2_each([two.0, three.turn.0], [two.1, three.turn.1]);
         let (q1, [sum, q5, q6]) = (shoulder.q1, wrist.angles);
         let (s3, s4) = (R::splat(self.signs[0]), R::splat(self.signs[1]));
         let q4 = s4 * (sum - q2 - s3 * q3);
-        Candidates {
+        let rest = minus(minus(wrist.sum, two), (s3 * three.turn.0, three.turn.1));
+        let turns = [one.turn, two, three.turn, (s4 * rest.0, rest.1), five.turn, wrist.six];
+        let found = Candidates {
             q: [q1, q2, q3, q4, q5, q6],
             merged: one.merged | five.merged | three.merged,
             singular: [one.singular, three.singular, five.singular | wrist.open],
             open: [(shoulder.open, 1), (wrist.open, 1 << 5)],
-        }
+        };
+        (found, turns)
+    }
+
+    /// Puts a posture into the sets of its goals, see [`Candidates::settle`]. Sines and cosines
+    /// are known here, so that the check computes none.
+    #[inline(always)]
+    fn settle<R: Real>(
+        &self,
+        (found, turns): &(Candidates<R>, [Turn<R>; 6]),
+        goal: &Rigid<R>,
+        lanes: usize,
+        sets: &mut [Set],
+    ) {
+        let left = self.serial.left(turns, goal);
+        found.settle(&self.serial, (goal, left), lanes, sets);
     }
 }
+
+/// Where a joint goes that nothing decides.
+type Near<R> = [Turn<R>; 6];
 
 /// The first joint, and the goal as the others see it.
 struct Shoulder<R> {
@@ -264,6 +285,9 @@ struct Shoulder<R> {
 /// The last two joints, and what is left to the planar arm: a turn, and a way to axis 4.
 struct Wrist<R> {
     five: Root<R>,
+    six: Turn<R>,
+    /// Of the three parallel joints together.
+    sum: Turn<R>,
     /// Of the three parallel joints together, of the fifth and of the sixth, rad.
     angles: [R; 3],
     way: V3<R>,
@@ -290,7 +314,8 @@ impl Kernel for All<'_> {
         while first < goals.len() {
             let count = if alone { 1 } else { R::WIDTH.min(goals.len() - first) };
             let mut goal = Rigid::<R>::identity();
-            let mut about = [R::zero(); 6];
+            let mut near_by = [R::zero(); 6];
+            let mut resting = true;
             for lane in 0..R::WIDTH {
                 let row = first + if lane < count { lane } else { 0 };
                 let mut one = goals[row];
@@ -299,7 +324,15 @@ impl Kernel for All<'_> {
                 }
                 goal.set_lane(lane, &one);
                 for k in 0..6 {
-                    about[k].set_lane(lane, near[row][k]);
+                    near_by[k].set_lane(lane, near[row][k]);
+                    resting &= near[row][k] == 0.0;
+                }
+            }
+            // Sine and cosine of 0, as they mostly are, need no computing.
+            let mut about = [(R::zero(), R::splat(1.0)); 6];
+            if !resting {
+                for k in 0..6 {
+                    about[k] = near_by[k].sin_cos();
                 }
             }
             let own = &mut sets[first..first + count];
@@ -309,7 +342,7 @@ impl Kernel for All<'_> {
                     let shoulder = arm.shoulder(&goal, &about, Side::by_bit(way, 2));
                     let wrist = arm.wrist(&shoulder.rest, &about, Side::by_bit(way, 1));
                     let found = arm.posture(&shoulder, &wrist, &about, Side::by_bit(way, 0));
-                    found.settle(&arm.serial, &goal, R::WIDTH.min(8), own);
+                    arm.settle(&found, &goal, R::WIDTH.min(8), own);
                     way += R::WIDTH;
                 }
             } else {
@@ -319,7 +352,7 @@ impl Kernel for All<'_> {
                         let wrist = arm.wrist(&shoulder.rest, &about, side);
                         for side in Side::both() {
                             let found = arm.posture(&shoulder, &wrist, &about, side);
-                            found.settle(&arm.serial, &goal, count, own);
+                            arm.settle(&found, &goal, count, own);
                         }
                     }
                 }

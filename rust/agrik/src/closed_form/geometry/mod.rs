@@ -4,6 +4,7 @@ pub mod axes;
 pub mod candidate;
 pub mod enclosure;
 pub mod limit;
+pub mod mirrors;
 pub mod pieces;
 pub mod quartic;
 pub mod range;

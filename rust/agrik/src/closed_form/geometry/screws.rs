@@ -137,6 +137,16 @@ impl Screws {
         Some((x, lines.iter().map(off).fold(0.0, f64::max)))
     }
 
+    /// Neighbours of a range that pass one another by so much that no point is within a gap (m) of
+    /// all lines: a quick look before [`Self::meeting`], which some that do not meet pass.
+    pub fn pass_by(&self, range: std::ops::Range<usize>, gap: f64) -> bool {
+        self.joints[range].windows(2).any(|pair| {
+            let across = cross(pair[0].axis, pair[1].axis);
+            let way = sub(pair[1].point, pair[0].point);
+            dot(way, across).abs() > 2.0 * gap * norm(across)
+        })
+    }
+
     /// Points on the axes that are near one another: feet of common normals, where there are
     /// such. What is computed from them loses fewer digits than from points far away.
     pub fn gathered(&self) -> Self {

@@ -1,5 +1,6 @@
 //! Forward kinematics and Newton's steps of an arm given by its axes, in lanes.
 
+use super::mirrors::{mirror, reflect, unrolled};
 use super::rigid::Rigid;
 use super::screws::Screws;
 use crate::lanes::{Real, V3, axpy, blend, cross, dot, scale, splat3, sub};
@@ -12,6 +13,8 @@ struct Link {
     cosine: f64,
     /// Added to the joint's value, rad.
     offset: f64,
+    /// Its sine and cosine.
+    resting: (f64, f64),
 }
 
 /// An arm of `N` joints that turn.
@@ -58,13 +61,15 @@ impl<const N: usize> Serial<N> {
             x_before = x;
             frames.push(Rigid { axes: [x, cross(z, x), z], shift: screws.joints[k].point });
         }
-        let mut links = [Link { shift: [0.0; 3], sine: 0.0, cosine: 1.0, offset: 0.0 }; N];
+        let mut links =
+            [Link { shift: [0.0; 3], sine: 0.0, cosine: 1.0, offset: 0.0, resting: (0.0, 1.0) }; N];
         // Each link's frame before its joint turns is the one before, tilted.
         let mut resting = frames[0];
         for k in 0..N {
             let here = frames[k];
             let (x, y) = (resting.axes[0], resting.axes[1]);
             links[k].offset = dot(here.axes[0], y).atan2(dot(here.axes[0], x));
+            links[k].resting = links[k].offset.sin_cos();
             if let Some(next) = frames.get(k + 1) {
                 let z = next.axes[2];
                 let (sine, cosine) = (-dot(z, here.axes[1]), dot(z, here.axes[2]));
@@ -84,11 +89,21 @@ impl<const N: usize> Serial<N> {
     /// Tool pose, and direction and place of each axis.
     #[inline(always)]
     pub fn forward<R: Real>(&self, q: &[R; N]) -> (Rigid<R>, [V3<R>; N], [V3<R>; N]) {
+        let mut turns = [(R::zero(), R::zero()); N];
+        for (k, link) in self.links.iter().enumerate() {
+            turns[k] = (q[k] + R::splat(link.offset)).sin_cos();
+        }
+        self.walk(&turns)
+    }
+
+    /// The same of turns from where the links' common normals are.
+    #[inline(always)]
+    fn walk<R: Real>(&self, turns: &[(R, R); N]) -> (Rigid<R>, [V3<R>; N], [V3<R>; N]) {
         let mut frame = Rigid::<R>::splat(&self.start);
         let (mut directions, mut places) = ([[R::zero(); 3]; N], [[R::zero(); 3]; N]);
         for (k, link) in self.links.iter().enumerate() {
             (directions[k], places[k]) = (frame.axes[2], frame.shift);
-            let (s, c) = (q[k] + R::splat(link.offset)).sin_cos();
+            let (s, c) = turns[k];
             let [x, y, z] = frame.axes;
             let (x, y) = (blend(x, c, y, s), blend(y, c, x, -s));
             frame.axes = [x, y, z];
@@ -101,19 +116,30 @@ impl<const N: usize> Serial<N> {
         (frame.after(&Rigid::splat(&self.tail)), directions, places)
     }
 
+    /// What is left to a goal, squared as [`Self::errors`] has it, at joint values given as sine
+    /// and cosine.
+    #[inline(always)]
+    pub fn left<R: Real>(&self, q: &[(R, R); N], goal: &Rigid<R>) -> R {
+        let mut turns = *q;
+        for (k, link) in self.links.iter().enumerate() {
+            let (s, c) = (R::splat(link.resting.0), R::splat(link.resting.1));
+            let (sine, cosine) = q[k];
+            turns[k] = (sine.mul_add(c, cosine * s), cosine.mul_add(c, -(sine * s)));
+        }
+        left(&self.walk(&turns).0, goal)
+    }
+
     /// What is left to a goal (ways and turns) and squared, and the Jacobian's columns at `q`.
     #[inline(always)]
     pub fn errors<R: Real>(&self, q: &[R; N], goal: &Rigid<R>) -> ([R; 6], R, [[R; 6]; N]) {
         let (tool, directions, places) = self.forward(q);
         let way = sub(goal.shift, tool.shift);
         let mut turn = [R::zero(); 3];
-        let mut square = dot(way, way);
         for k in 0..3 {
             let c = cross(tool.axes[k], goal.axes[k]);
             turn = axpy(c, R::splat(0.5), turn);
-            let d = sub(goal.axes[k], tool.axes[k]);
-            square += R::splat(0.5) * dot(d, d);
         }
+        let square = left(&tool, goal);
         let mut columns = [[R::zero(); 6]; N];
         for (k, column) in columns.iter_mut().enumerate() {
             let linear = cross(directions[k], sub(tool.shift, places[k]));
@@ -174,6 +200,18 @@ impl Serial<6> {
     }
 }
 
+/// Squared distance and squared chord between a tool pose and a goal, together.
+#[inline(always)]
+fn left<R: Real>(tool: &Rigid<R>, goal: &Rigid<R>) -> R {
+    let way = sub(goal.shift, tool.shift);
+    let mut square = dot(way, way);
+    for k in 0..3 {
+        let d = sub(goal.axes[k], tool.axes[k]);
+        square += R::splat(0.5) * dot(d, d);
+    }
+    square
+}
+
 /// All lanes, a bit each.
 #[inline(always)]
 pub fn lanes<R: Real>() -> u32 {
@@ -183,50 +221,90 @@ pub fn lanes<R: Real>() -> u32 {
 /// The solution of six equations in six unknowns, columns given; by mirrors.
 #[inline(always)]
 fn solve<R: Real>(mut columns: [[R; 6]; 6], mut right: [R; 6]) -> [R; 6] {
-    for k in 0..6 {
-        let mut square = R::zero();
-        for i in k..6 {
-            square = columns[k][i].mul_add(columns[k][i], square);
+    unrolled!(K in [0 1 2 3 4 5] {
+        let normal = mirror::<R, 6, K>(&mut columns[K]);
+        for j in K + 1..6 {
+            reflect::<R, 6, K>(&normal, &mut columns[j]);
         }
-        let size = square.sqrt();
-        let head = columns[k][k];
-        let end = R::select(head.lt(R::zero()), size, -size);
-        let weight = R::splat(1.0) / (square - head * end).max(R::splat(f64::MIN_POSITIVE));
-        let mut normal = columns[k];
-        normal[k] = head - end;
-        for j in k + 1..6 {
-            let mut along = R::zero();
-            for i in k..6 {
-                along = normal[i].mul_add(columns[j][i], along);
-            }
-            along *= weight;
-            for i in k..6 {
-                columns[j][i] = normal[i].neg_mul_add(along, columns[j][i]);
-            }
-        }
-        let mut along = R::zero();
-        for i in k..6 {
-            along = normal[i].mul_add(right[i], along);
-        }
-        along *= weight;
-        for i in k..6 {
-            right[i] = normal[i].neg_mul_add(along, right[i]);
-        }
-        columns[k][k] = end;
-    }
+        reflect::<R, 6, K>(&normal, &mut right);
+    });
     // A joint that moves nothing of its own stays where it is.
-    for k in (0..6).rev() {
-        let end = columns[k][k];
+    unrolled!(K in [5 4 3 2 1 0] {
+        let end = columns[K][K];
         let flat = end.abs().lt(R::splat(FLAT));
-        right[k] = R::select(flat, R::zero(), right[k] / R::select(flat, R::splat(1.0), end));
-        for i in 0..k {
-            right[i] = columns[k][i].neg_mul_add(right[k], right[i]);
+        let inverse = R::splat(1.0) / R::select(flat, R::splat(1.0), end);
+        right[K] = R::select(flat, R::zero(), right[K] * inverse);
+        for i in 0..K {
+            right[i] = columns[K][i].neg_mul_add(right[K], right[i]);
         }
-    }
+    });
     right
 }
 
 /// The part of a vector across a unit vector.
 fn flat(v: V3<f64>, z: V3<f64>) -> V3<f64> {
     axpy(z, -dot(z, v), v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::screws::Screw;
+    use super::*;
+    use crate::random::Sequence;
+
+    fn arm(random: &mut Sequence) -> Screws {
+        let mut vector = || [0; 3].map(|_| random.normal());
+        let mut joint = || {
+            let (v, point) = (vector(), vector());
+            Screw { axis: scale(v, 1.0 / dot(v, v).sqrt()), point }
+        };
+        let joints = (0..6).map(|_| joint()).collect();
+        Screws { joints, tool: Rigid { shift: vector(), ..Rigid::identity() } }
+    }
+
+    #[test]
+    fn angles_and_their_sines_and_cosines_miss_a_goal_by_the_same() {
+        let mut random = Sequence::new(8);
+        for _ in 0..50 {
+            let screws = arm(&mut random);
+            let serial = Serial::<6>::new(&screws).unwrap();
+            let q: [f64; 6] = std::array::from_fn(|_| 6.0 * random.uniform() - 3.0);
+            let goal = screws.pose(&std::array::from_fn::<f64, 6, _>(|_| random.uniform()));
+            let (_, far, _) = serial.errors(&q, &goal);
+            let left = serial.left(&q.map(f64::sin_cos), &goal);
+            assert!((left - far).abs() < 1e-12 * far, "{left} {far}");
+            assert!(serial.left(&q.map(f64::sin_cos), &screws.pose(&q)) < 1e-26);
+        }
+    }
+
+    #[test]
+    fn a_step_solves_six_equations() {
+        let mut random = Sequence::new(9);
+        for _ in 0..50 {
+            let columns = [[0; 6]; 6].map(|column| column.map(|_| random.normal()));
+            let x = [0; 6].map(|_| random.normal());
+            let mut right = [0.0; 6];
+            for (column, x) in columns.iter().zip(x) {
+                for (sum, entry) in right.iter_mut().zip(column) {
+                    *sum += entry * x;
+                }
+            }
+            let found = solve(columns, right);
+            assert!(found.iter().zip(x).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {x:?}");
+        }
+    }
+
+    #[test]
+    fn lines_that_pass_by_do_not_meet() {
+        let mut random = Sequence::new(10);
+        for _ in 0..50 {
+            let mut screws = arm(&mut random);
+            assert!(screws.pass_by(3..6, 1e-7));
+            let point = screws.joints[3].point;
+            for joint in &mut screws.joints[4..] {
+                joint.point = axpy(joint.axis, random.normal(), point);
+            }
+            assert!(!screws.pass_by(3..6, 1e-12));
+        }
+    }
 }

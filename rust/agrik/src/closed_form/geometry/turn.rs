@@ -105,6 +105,14 @@ pub fn unit_turn<R: Real>(y: R, x: R, least: f64, fallback: Turn<R>) -> Turn<R> 
     (R::select(lost, fallback.0, y * inverse), R::select(lost, fallback.1, x * inverse))
 }
 
+/// `(sine, cosine)` in the direction of a pair.
+#[inline(always)]
+pub fn unit_pair<R: Real>(y: R, x: R) -> (R, R) {
+    let square = y.mul_add(y, x * x).max(R::splat(f64::MIN_POSITIVE));
+    let inverse = R::splat(1.0) / square.sqrt();
+    (y * inverse, x * inverse)
+}
+
 /// The angle `turn - by`.
 #[inline(always)]
 pub fn minus<R: Real>(turn: Turn<R>, by: Turn<R>) -> Turn<R> {

@@ -6,9 +6,11 @@
 //! `g1^-1 g6'^-1 D` does the same to it.
 
 use super::line::{Line, SIZE, STILL, THIRDS, TURNED, line, moved, parts};
+use crate::closed_form::geometry::mirrors::{inner, mirror, reflect};
 use crate::closed_form::geometry::rigid::{Rigid, turned_about};
-use crate::closed_form::geometry::screws::Screws;
-use crate::lanes::{Real, V3, cross, dot, splat3};
+use crate::closed_form::geometry::screws::{Screw, Screws};
+use crate::closed_form::geometry::turn::unit_pair;
+use crate::lanes::{Real, V3, cross, dot, splat3, sub};
 
 /// Terms of three angles of first degree each.
 pub const TERMS: usize = 27;
@@ -27,15 +29,14 @@ pub struct Cut {
     into: Rigid<f64>,
     /// Tool at `q = 0` in that frame, inverse.
     untool: Rigid<f64>,
-    /// Directions of the axes in that frame.
-    axes: [V3<f64>; 6],
+    /// The axes in that frame.
+    joints: [Screw; 6],
     /// A direction across the axis of `g5`.
     across: V3<f64>,
     /// What `g6^-1` makes of the line of `g5`: constant, cosine and sine part.
     last: [Line<f64>; 3],
-    /// What `g2 g3 g4` make of it: for each number the products of `(1, cos, sin)`.
-    products: Box<[[f64; TERMS]; SIZE]>,
-    /// The same in powers of the tangents of half the angles of `g3` and `g4`.
+    /// What `g2 g3 g4` make of it: for each number the products of `(1, cos, sin)` of `g2` and of
+    /// powers of the tangents of half the angles of `g3` and `g4`.
     powers: Box<[[f64; TERMS]; SIZE]>,
 }
 
@@ -57,39 +58,7 @@ impl Cut {
         let arm = arm.moved(&into);
         let joint = |k: usize| arm.joints[k];
         let ahead = line(joint(4).axis, joint(4).point);
-        let mut products = Box::new([[0.0; TERMS]; SIZE]);
-        for (a, qa) in THIRDS.into_iter().enumerate() {
-            for (b, qb) in THIRDS.into_iter().enumerate() {
-                for (c, qc) in THIRDS.into_iter().enumerate() {
-                    let motion = joint(1).turn(qa);
-                    let motion = motion.after(&joint(2).turn(qb)).after(&joint(3).turn(qc));
-                    for (row, x) in products.iter_mut().zip(moved(&motion, &ahead, 1.0)) {
-                        row[9 * a + 3 * b + c] = x;
-                    }
-                }
-            }
-        }
-        let mut powers = products.clone();
-        for (row, half) in products.iter_mut().zip(powers.iter_mut()) {
-            for stride in [9, 3, 1] {
-                for start in (0..TERMS).filter(|i| i / stride % 3 == 0) {
-                    let found = parts([row[start], row[start + stride], row[start + 2 * stride]]);
-                    for (k, x) in found.into_iter().enumerate() {
-                        row[start + k * stride] = x;
-                    }
-                }
-            }
-            *half = *row;
-            for stride in [3, 1] {
-                for start in (0..TERMS).filter(|i| i / stride % 3 == 0) {
-                    // (1, cos, sin)(1 + x^2) = (1 + x^2, 1 - x^2, 2 x).
-                    let [k, c, s] = [half[start], half[start + stride], half[start + 2 * stride]];
-                    half[start] = k + c;
-                    half[start + stride] = 2.0 * s;
-                    half[start + 2 * stride] = k - c;
-                }
-            }
-        }
+        let powers = powers(&[1, 2, 3].map(joint), &ahead);
         let at = THIRDS.map(|q| moved(&joint(5).turn(-q), &ahead, 1.0));
         let mut last = [[0.0; SIZE]; 3];
         for i in 0..SIZE {
@@ -103,10 +72,9 @@ impl Cut {
             reversed,
             into,
             untool: arm.tool.inverse(),
-            axes: [0, 1, 2, 3, 4, 5].map(|k| joint(k).axis),
+            joints: [0, 1, 2, 3, 4, 5].map(joint),
             across: unit(cross(w, guess)),
             last,
-            products,
             powers,
         }
     }
@@ -157,15 +125,15 @@ impl Cut {
             one[k] = far.parts[1][i];
             two[k] = far.parts[2][i];
         }
-        let v = mirror(&mut one, 0);
-        reflect(&v, &mut two, 0);
-        let w = mirror(&mut two, 1);
+        let v = mirror::<R, 6, 0>(&mut one);
+        reflect::<R, 6, 0>(&v, &mut two);
+        let w = mirror::<R, 6, 1>(&mut two);
         for row in 0..4 {
             // Row of the null space: the mirrors on a unit vector.
             let mut n = [R::zero(); 6];
             n[2 + row] = R::splat(1.0);
-            reflect(&w, &mut n, 1);
-            reflect(&v, &mut n, 0);
+            reflect::<R, 6, 1>(&w, &mut n);
+            reflect::<R, 6, 0>(&v, &mut n);
             let mut offset = R::zero();
             for (k, i) in STILL.into_iter().enumerate() {
                 offset = n[k].mul_add(constant[k], offset);
@@ -211,19 +179,16 @@ impl Cut {
         far: &Far<R>,
         known: [(R, R); 3],
     ) -> [(R, R); 6] {
-        let [a, b, c] = known;
-        let mut near = [R::zero(); SIZE];
-        let one = R::splat(1.0);
-        let (a, b, c) = ([one, a.1, a.0], [one, b.1, b.0], [one, c.1, c.0]);
-        let mut terms = [R::zero(); TERMS];
-        for (term, x) in terms.iter_mut().enumerate() {
-            *x = a[term / 9] * b[term / 3 % 3] * c[term % 3];
+        // What g2 g3 g4 make of the line of g5.
+        let (mut along, mut at) = (splat3(self.joints[4].axis), splat3(self.joints[4].point));
+        for k in [2, 1, 0] {
+            let joint = &self.joints[1 + k];
+            let (axis, point) = (splat3(joint.axis), splat3(joint.point));
+            along = turned_about(axis, known[k], along);
+            let way = turned_about(axis, known[k], sub(at, point));
+            at = [way[0] + point[0], way[1] + point[1], way[2] + point[2]];
         }
-        for (x, factors) in near.iter_mut().zip(self.products.iter()) {
-            for (term, factor) in terms.iter().zip(factors) {
-                *x = term.mul_add(R::splat(*factor), *x);
-            }
-        }
+        let near = line(along, at);
         // g6 from the numbers that g1 leaves alone, by least squares.
         let [constant, cosine, sine] = &far.parts;
         let (mut cc, mut cs, mut ss, mut cr, mut sr) =
@@ -248,14 +213,54 @@ impl Cut {
         let first = unit_pair(aside, along);
         // g5 from what is left of a direction across its axis.
         let start = splat3::<R>(self.across);
-        let v = wanted.turn(turned_about(splat3(self.axes[5]), back(sixth), start));
-        let v = turned_about(splat3(self.axes[0]), back(first), v);
-        let v = turned_about(splat3(self.axes[1]), back(known[0]), v);
-        let v = turned_about(splat3(self.axes[2]), back(known[1]), v);
-        let v = turned_about(splat3(self.axes[3]), back(known[2]), v);
-        let fifth = unit_pair(dot(splat3(self.axes[4]), cross(start, v)), dot(start, v));
+        let v = wanted.turn(turned_about(splat3(self.joints[5].axis), back(sixth), start));
+        let v = turned_about(splat3(self.joints[0].axis), back(first), v);
+        let v = turned_about(splat3(self.joints[1].axis), back(known[0]), v);
+        let v = turned_about(splat3(self.joints[2].axis), back(known[1]), v);
+        let v = turned_about(splat3(self.joints[3].axis), back(known[2]), v);
+        let fifth = unit_pair(dot(splat3(self.joints[4].axis), cross(start, v)), dot(start, v));
         [first, known[0], known[1], known[2], fifth, sixth]
     }
+}
+
+/// What three joints make of a line, in products of `(1, cos, sin)` of the first angle and powers
+/// of the tangents of half the two others.
+fn powers(joints: &[Screw; 3], ahead: &Line<f64>) -> Box<[[f64; TERMS]; SIZE]> {
+    let mut lines = [[0.0; SIZE]; TERMS];
+    lines[0] = *ahead;
+    // One joint after the other: constant, cosine and sine part of each line so far.
+    let mut count = 1;
+    for joint in joints.iter().rev() {
+        let turns = [joint.turn(THIRDS[1]), joint.turn(THIRDS[2])];
+        for k in 0..count {
+            let still = lines[k];
+            let constant = if k == 0 { 1.0 } else { 0.0 };
+            let [plus, minus] = [0, 1].map(|i| moved(&turns[i], &still, constant));
+            for i in 0..SIZE {
+                let found = parts([still[i], plus[i], minus[i]]);
+                for (part, x) in found.into_iter().enumerate() {
+                    lines[k + count * part][i] = x;
+                }
+            }
+        }
+        count *= 3;
+    }
+    let mut out = Box::new([[0.0; TERMS]; SIZE]);
+    for (i, row) in out.iter_mut().enumerate() {
+        for (x, line) in row.iter_mut().zip(&lines) {
+            *x = line[i];
+        }
+        for stride in [3, 1] {
+            for start in (0..TERMS).filter(|i| i / stride % 3 == 0) {
+                // (1, cos, sin)(1 + x^2) = (1 + x^2, 1 - x^2, 2 x).
+                let [k, c, s] = [row[start], row[start + stride], row[start + 2 * stride]];
+                row[start] = k + c;
+                row[start + stride] = 2.0 * s;
+                row[start + 2 * stride] = k - c;
+            }
+        }
+    }
+    out
 }
 
 #[inline(always)]
@@ -263,52 +268,9 @@ fn back<R: Real>((s, c): (R, R)) -> (R, R) {
     (-s, c)
 }
 
-/// `(sine, cosine)` in the direction of a pair.
-#[inline(always)]
-pub fn unit_pair<R: Real>(y: R, x: R) -> (R, R) {
-    let square = y.mul_add(y, x * x).max(R::splat(f64::MIN_POSITIVE));
-    let inverse = R::splat(1.0) / square.sqrt();
-    (y * inverse, x * inverse)
-}
-
 fn unit(v: V3<f64>) -> V3<f64> {
     let size = dot(v, v).sqrt();
     [v[0] / size, v[1] / size, v[2] / size]
-}
-
-/// A mirror that takes the part of a column from `from` on to its first entry, which is left in
-/// its place; the first number is what the mirror's normal counts.
-#[inline(always)]
-pub fn mirror<R: Real, const N: usize>(column: &mut [R; N], from: usize) -> ([R; N], R) {
-    let mut square = R::zero();
-    for i in from..N {
-        square = column[i].mul_add(column[i], square);
-    }
-    let size = square.sqrt();
-    let head = column[from];
-    let end = R::select(head.lt(R::zero()), size, -size);
-    let mut normal = *column;
-    normal[from] = head - end;
-    let weight = R::splat(1.0) / (square - head * end).max(R::splat(f64::MIN_POSITIVE));
-    column[from] = end;
-    (normal, weight)
-}
-
-/// A column in such a mirror.
-#[inline(always)]
-pub fn reflect<R: Real, const N: usize>(
-    (normal, weight): &([R; N], R),
-    column: &mut [R; N],
-    from: usize,
-) {
-    let mut along = R::zero();
-    for i in from..N {
-        along = normal[i].mul_add(column[i], along);
-    }
-    along *= *weight;
-    for i in from..N {
-        column[i] = normal[i].neg_mul_add(along, column[i]);
-    }
 }
 
 /// A unit vector across three columns of complex numbers.
@@ -371,18 +333,12 @@ fn orthonormal<R: Real>(rows: &mut [[R; TERMS]; ROWS]) {
         let (done, rest) = rows.split_at_mut(i);
         let row = &mut rest[0];
         for other in done.iter() {
-            let mut along = R::zero();
-            for k in 0..TERMS {
-                along = other[k].mul_add(row[k], along);
-            }
+            let along = inner::<R, TERMS, 0>(other, row);
             for k in 0..TERMS {
                 row[k] = other[k].neg_mul_add(along, row[k]);
             }
         }
-        let mut square = R::zero();
-        for x in row.iter() {
-            square = x.mul_add(*x, square);
-        }
+        let square = inner::<R, TERMS, 0>(row, row);
         let inverse = R::splat(1.0) / square.max(R::splat(f64::MIN_POSITIVE)).sqrt();
         for x in row.iter_mut() {
             *x *= inverse;

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
 use super::resultant::{DEGREE, HARMONICS, Harmonics};
-use crate::lanes::Real;
+use crate::lanes::{Lanes, Real, WIDEST};
 
 const ARCS: usize = 8;
 /// Coefficients on an arc: those of degree 16 in the tangent of half the angle.
@@ -17,7 +17,7 @@ const NARROW: f64 = 1e-3;
 /// A coefficient's sign is sure above this share of the largest one, or so many times the
 /// noise of the samples.
 const SURE: f64 = 4e-15;
-const NOISE: f64 = 20.0;
+pub const NOISE: f64 = 20.0;
 /// Most parts of one arc that wait at a time.
 const DEPTH: usize = 16;
 
@@ -37,6 +37,8 @@ pub struct Place {
     pub rising: bool,
     /// The interval holds one root for sure; else it only is narrow.
     pub single: bool,
+    /// The root is where the matrix is singular, as far as the samples' noise can tell.
+    pub sharp: bool,
 }
 
 /// Bernstein coefficients of `(1 + x^2)^8 cos(k phi)` and `(1 + x^2)^8 sin(k phi)` with
@@ -64,6 +66,29 @@ static BASIS: LazyLock<[[f64; COUNT]; HARMONICS]> = LazyLock::new(|| {
                 (out[2 * k - 1][j], out[2 * k][j]) = (re, im);
             }
         }
+    }
+    out
+});
+
+/// Coefficients filled up to whole vectors.
+const WIDE: usize = COUNT.next_multiple_of(WIDEST);
+
+/// What each coefficient of an interval counts in those of its left and of its right half: de
+/// Casteljau's means of means as sums, in which nothing waits for anything.
+static HALVES: LazyLock<[[[f64; WIDE]; COUNT]; 2]> = LazyLock::new(|| {
+    let mut out = [[[0.0; WIDE]; COUNT]; 2];
+    // Pascal's triangle, each row half as large as counted.
+    let mut row = [0.0; COUNT];
+    row[0] = 1.0;
+    for i in 0..COUNT {
+        for (j, share) in row.iter().enumerate().take(i + 1) {
+            out[0][j][i] = *share;
+            out[1][COUNT - 1 - j][COUNT - 1 - i] = *share;
+        }
+        for j in (1..COUNT).rev() {
+            row[j] = 0.5 * (row[j] + row[j - 1]);
+        }
+        row[0] *= 0.5;
     }
     out
 });
@@ -108,38 +133,90 @@ pub fn arcs<R: Real>(h: &Harmonics<R>) -> Arcs<R> {
     out
 }
 
-/// The places of all real roots of one goal's polynomial; `noise` as its samples have it.
+/// Which arcs of which lanes may hold roots, and below what a coefficient's sign is not sure.
+pub struct Sifted<R> {
+    open: [Lanes; ARCS],
+    least: R,
+    /// Lanes with numbers to look at.
+    known: Lanes,
+}
+
+/// Sets the arcs aside all of whose coefficients are surely on one side; `noise` as the samples
+/// have it.
 #[inline(always)]
-pub fn places(goal: u32, arcs: &Arcs<f64>, noise: f64, out: &mut Vec<Place>) {
-    let mut largest = 0.0_f64;
-    for x in arcs.iter().flatten() {
-        largest = largest.max(x.abs());
+pub fn sifted<R: Real>(arcs: &Arcs<R>, noise: R) -> Sifted<R> {
+    let (mut low, mut high) = ([R::zero(); ARCS], [R::zero(); ARCS]);
+    let mut largest = R::zero();
+    for (arc, coefficients) in arcs.iter().enumerate() {
+        (low[arc], high[arc]) = (coefficients[0], coefficients[0]);
+        for x in &coefficients[1..] {
+            low[arc] = low[arc].min(*x);
+            high[arc] = high[arc].max(*x);
+        }
+        largest = largest.max(high[arc]).max(-low[arc]);
     }
-    if !(largest > 0.0 && largest.is_finite()) {
+    let least = largest * (R::splat(NOISE) * noise).max(R::splat(SURE));
+    let mut open = [0; ARCS];
+    for (arc, open) in open.iter_mut().enumerate() {
+        *open = !R::bits(R::or(least.lt(low[arc]), high[arc].lt(-least)));
+    }
+    let finite = largest.lt(R::splat(f64::INFINITY));
+    Sifted { open, least, known: R::bits(R::and(R::zero().lt(largest), finite)) }
+}
+
+/// Parts of an arc that wait: their coefficients, and where they begin and how long they are, as
+/// shares of the arc.
+pub struct Waiting([([f64; WIDE], f64, f64); DEPTH]);
+
+impl Default for Waiting {
+    fn default() -> Self {
+        Self([([0.0; WIDE], 0.0, 0.0); DEPTH])
+    }
+}
+
+/// The places of all real roots of the polynomial of the goal in a lane.
+#[inline(always)]
+pub fn places<R: Real>(
+    goal: u32,
+    lane: usize,
+    arcs: &Arcs<R>,
+    sifted: &Sifted<R>,
+    (waiting, out): (&mut Waiting, &mut Vec<Place>),
+) {
+    if sifted.known >> lane & 1 == 0 {
         return;
     }
-    let least = largest * (NOISE * noise).max(SURE);
+    let least = sifted.least.lane(lane);
     let half = (0.5 * HALF).tan();
-    let mut waiting = [([0.0; COUNT], 0.0, 0.0); DEPTH];
+    let table = &*HALVES;
+    let waiting = &mut waiting.0;
     for (arc, coefficients) in arcs.iter().enumerate() {
-        waiting[0] = (*coefficients, 0.0, 1.0);
+        if sifted.open[arc] >> lane & 1 == 0 {
+            continue;
+        }
+        for (to, from) in waiting[0].0.iter_mut().zip(coefficients) {
+            *to = from.lane(lane);
+        }
+        (waiting[0].1, waiting[0].2) = (0.0, 1.0);
         let mut count = 1;
         while count > 0 {
             count -= 1;
             let (b, begin, size) = &waiting[count];
             let (begin, size) = (*begin, *size);
-            let seen = signs(b, least);
+            let seen = signs::<R>(b, least);
             if seen.changes == 0 && !seen.unsure {
                 continue;
             }
+            let rising = b[0] < 0.0;
             let place = |lower: f64, upper: f64, single: bool| Place {
                 goal,
                 centre: arc as f64 * (TAU / ARCS as f64),
                 angle: f64::NAN,
                 lower: half * (2.0 * lower - 1.0),
                 upper: half * (2.0 * upper - 1.0),
-                rising: b[0] < 0.0,
+                rising,
                 single,
+                sharp: false,
             };
             let at = |part: f64| place(begin + part * size, begin + part * size, false);
             if seen.changes == 1 && !seen.unsure {
@@ -151,10 +228,12 @@ pub fn places(goal: u32, arcs: &Arcs<f64>, noise: f64, out: &mut Vec<Place>) {
                     out.extend([at(0.25), at(0.75)]);
                 }
             } else {
-                let (left, right) = halves(b);
+                let whole = *b;
                 let size = 0.5 * size;
-                waiting[count] = (right, begin + size, size);
-                waiting[count + 1] = (left, begin, size);
+                part::<R>(&whole, &table[1], &mut waiting[count].0);
+                part::<R>(&whole, &table[0], &mut waiting[count + 1].0);
+                (waiting[count].1, waiting[count].2) = (begin + size, size);
+                (waiting[count + 1].1, waiting[count + 1].2) = (begin, size);
                 count += 2;
             }
         }
@@ -168,13 +247,17 @@ struct Signs {
 }
 
 #[inline(always)]
-fn signs(b: &[f64; COUNT], least: f64) -> Signs {
-    let (mut sure, mut below) = (0_u32, 0_u32);
-    for (i, x) in b.iter().enumerate() {
-        sure |= u32::from(x.abs() > least) << i;
-        below |= u32::from(*x < 0.0) << i;
-    }
+fn signs<R: Real>(b: &[f64; WIDE], least: f64) -> Signs {
     const ALL: u32 = (1 << COUNT) - 1;
+    let (mut sure, mut below) = (0_u32, 0_u32);
+    let mut i = 0;
+    while i < COUNT {
+        let x = R::load(&b[i..]);
+        sure |= R::bits(R::splat(least).lt(x.abs())) << i;
+        below |= R::bits(x.lt(R::zero())) << i;
+        i += R::WIDTH;
+    }
+    let sure = sure & ALL;
     let changes = if sure == ALL {
         ((below ^ (below >> 1)) & (ALL >> 1)).count_ones()
     } else {
@@ -189,16 +272,46 @@ fn signs(b: &[f64; COUNT], least: f64) -> Signs {
     Signs { changes, unsure: sure != ALL, all_unsure: sure == 0 }
 }
 
-/// De Casteljau's halves.
+/// One of de Casteljau's halves.
 #[inline(always)]
-fn halves(b: &[f64; COUNT]) -> ([f64; COUNT], [f64; COUNT]) {
-    let (mut left, mut right) = ([0.0; COUNT], *b);
-    left[0] = b[0];
-    for level in 1..COUNT {
-        for i in 0..COUNT - level {
-            right[i] = 0.5 * (right[i] + right[i + 1]);
+fn part<R: Real>(b: &[f64; WIDE], shares: &[[f64; WIDE]; COUNT], out: &mut [f64; WIDE]) {
+    for k in 0..WIDE / R::WIDTH {
+        let at = k * R::WIDTH;
+        let mut sums = [R::zero(); 2];
+        for j in 0..COUNT {
+            sums[j % 2] = R::splat(b[j]).mul_add(R::load(&shares[j][at..]), sums[j % 2]);
         }
-        left[level] = right[0];
+        (sums[0] + sums[1]).store(&mut out[at..]);
     }
-    (left, right)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Sequence;
+
+    #[test]
+    fn halves_are_de_casteljaus() {
+        let mut random = Sequence::new(3);
+        let mut b = [0.0; WIDE];
+        for x in &mut b[..COUNT] {
+            *x = random.normal();
+        }
+        let (mut left, mut right) = ([0.0; COUNT], b);
+        left[0] = b[0];
+        for level in 1..COUNT {
+            for i in 0..COUNT - level {
+                right[i] = 0.5 * (right[i] + right[i + 1]);
+            }
+            left[level] = right[0];
+        }
+        let mut found = [[0.0; WIDE]; 2];
+        for (side, out) in found.iter_mut().enumerate() {
+            part::<f64>(&b, &HALVES[side], out);
+        }
+        for i in 0..COUNT {
+            assert!((found[0][i] - left[i]).abs() < 1e-14);
+            assert!((found[1][i] - right[i]).abs() < 1e-14);
+        }
+    }
 }

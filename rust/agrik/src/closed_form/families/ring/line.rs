@@ -18,9 +18,10 @@ pub const TURNED: [(usize, usize); 4] = [(0, 1), (3, 4), (8, 9), (11, 12)];
 pub type Line<R> = [R; SIZE];
 
 /// The numbers of the line along `l` with the point `p`.
-pub fn line(l: V3<f64>, p: V3<f64>) -> Line<f64> {
+#[inline(always)]
+pub fn line<R: Real>(l: V3<R>, p: V3<R>) -> Line<R> {
     let (pp, pl, m) = (dot(p, p), dot(p, l), cross(p, l));
-    let q = axpy(p, -2.0 * pl, scale(l, pp));
+    let q = axpy(p, -(pl + pl), scale(l, pp));
     [l[0], l[1], l[2], p[0], p[1], p[2], pp, pl, m[0], m[1], m[2], q[0], q[1], q[2]]
 }
 

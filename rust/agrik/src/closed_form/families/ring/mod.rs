@@ -16,6 +16,7 @@ mod resultant;
 mod rows;
 
 use std::f64::consts::{PI, TAU};
+use std::sync::OnceLock;
 
 use self::cut::Cut;
 use self::passes::OneCut;
@@ -38,13 +39,16 @@ const PAIRED: f64 = 1e-6;
 const TRIALS: usize = 128;
 
 /// An arm of six joints that turn.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Ring {
     /// The axes, in arm lengths.
     axes: Screws,
     untool: Rigid<f64>,
     serial: Serial<6>,
-    cuts: [Cut; 2],
+    /// The cut that is asked first, and the other one: made when they are needed.
+    cuts: [OnceLock<Cut>; 2],
+    /// The first cut reads the arm from its tool.
+    reversed: bool,
     /// Metres in an arm length.
     length: f64,
     /// Of an arm with roots that belong to no posture (nearly spherical wrists have them at
@@ -62,18 +66,18 @@ impl Ring {
         let length = screws.length();
         let scaled = screws.scaled(1.0 / length);
         let serial = Serial::<6>::new(&scaled)?;
-        let cuts = [Cut::new(&scaled, true), Cut::new(&scaled, false)];
-        let untool = scaled.tool.inverse();
-        let (usual, idle) = (None, false);
-        let mut ring = Self { axes: scaled, untool, serial, cuts, length, usual, idle };
-        match like {
-            Some(like) => {
-                if like.first_is_reversed() != ring.first_is_reversed() {
-                    ring.cuts.swap(0, 1);
-                }
-                ring.usual = like.usual;
-            }
-            None => ring.look(),
+        let mut ring = Self {
+            untool: scaled.tool.inverse(),
+            axes: scaled,
+            serial,
+            cuts: Default::default(),
+            reversed: like.is_none_or(|like| like.reversed),
+            length,
+            usual: like.and_then(|like| like.usual),
+            idle: false,
+        };
+        if like.is_none() {
+            ring.look();
         }
         Some(ring)
     }
@@ -85,7 +89,12 @@ impl Ring {
 
     /// The cut that is asked first reads the arm from its tool.
     pub fn first_is_reversed(&self) -> bool {
-        self.cuts[0].reversed
+        self.reversed
+    }
+
+    fn cut(&self, number: usize) -> &Cut {
+        let reversed = self.reversed == (number == 0);
+        self.cuts[number].get_or_init(|| Cut::new(&self.axes, reversed))
     }
 
     /// Roots that belong to no posture are common; they cost as much as others.
@@ -134,6 +143,7 @@ impl Ring {
         }
         if second {
             self.cuts.swap(0, 1);
+            self.reversed = !self.reversed;
         }
     }
 
@@ -146,7 +156,7 @@ impl Ring {
         sets: &mut [Set],
         work: &mut Work,
     ) {
-        let (cut, serial) = (&self.cuts[cut], &self.serial);
+        let (cut, serial) = (self.cut(cut), &self.serial);
         dispatch(level, OneCut { cut, serial, goals, near, sets, work });
     }
 

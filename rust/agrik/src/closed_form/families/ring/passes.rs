@@ -2,20 +2,26 @@
 //! roots, then postures, so that a batch keeps them full; of a single goal they hold the samples
 //! first. What a lane computes does not depend on the others.
 
+use std::f64::consts::PI;
+
 use super::cut::Cut;
-use super::isolate::{Arcs, Place, arcs, places};
+use super::isolate::{Arcs, NOISE, Place, Sifted, Waiting, arcs, places, sifted};
 use super::null::{Factors, angles, distance, two_products};
 use super::resultant::{ANGLES, HARMONICS, Harmonics, SAMPLES, harmonics, sample, value};
-use super::rows::{MOTION, NUMBERS, flat, from_row, gather, in_row, lane_of, motion, spread, used};
-use crate::closed_form::families::postures::{FINE, NEAR, Set};
+use super::rows::{
+    MOTION, NUMBERS, columns_at, flat, gather, in_row, lane_of, motion, spread, used,
+};
+use crate::closed_form::families::postures::{FINE, NEAR, Set, turned};
 use crate::closed_form::geometry::rigid::Rigid;
 use crate::closed_form::geometry::serial::Serial;
 use crate::lanes::{Kernel, Real, WIDEST, atan2_each};
 
-/// Steps of all starts, of those that have not arrived after them, and of those that are promising
-/// even then. The many that need few do not wait for the few that need many.
-const STEPS: [usize; 3] = [2, 6, 20];
+/// Most steps of a start, and the step after which those are left that are promising at least.
+const STEPS: usize = 28;
+const LOOK: usize = 8;
 const PROMISING: f64 = 1e-2;
+/// A step as long as that may lead anywhere, rad.
+const LONG: f64 = 0.3;
 /// Steps that sharpen a root, the length below which there is no need, the longest of them, and
 /// how far they may lead in all, rad.
 const SHARPEN: usize = 5;
@@ -29,8 +35,8 @@ const DOUBLE: f64 = 1e-2;
 /// Steps of a root, and the step at which it is left, rad.
 const REFINE: usize = 40;
 const REFINED: f64 = 1e-9;
-/// Rounds of inverse iteration.
-const ROUNDS: usize = 2;
+/// Noise of samples that seem to have none.
+const EPSILON: f64 = 2e-16;
 
 /// A start that misses by more is none, arm lengths and rad.
 const HOPELESS: f64 = 0.5;
@@ -57,11 +63,16 @@ struct Open {
 /// What a place can lead to: where it was before it was sharpened, after it, and as two products.
 const KINDS: usize = 4;
 
-/// A start of Newton's steps.
+/// A start of Newton's steps, on its way.
 #[derive(Clone, Copy)]
 struct Start {
     goal: u32,
     q: [f64; 6],
+    /// The step that led there, rad.
+    step: f64,
+    /// The best posture before it, and what was left there, squared.
+    best: [f64; 6],
+    least: f64,
 }
 
 /// What a call needs room for.
@@ -70,6 +81,7 @@ pub struct Work {
     goals: Vec<[f64; MOTION]>,
     equations: Vec<[f64; NUMBERS]>,
     harmonics: Vec<Harmonics<f64>>,
+    waiting: Waiting,
     places: Vec<Place>,
     open: [Vec<Open>; 2],
     /// Those that each place leads to.
@@ -109,7 +121,9 @@ impl Kernel for OneCut<'_> {
         self.refine::<R>();
         self.null_vectors::<R>();
         for (goal, q) in self.near.iter().enumerate() {
-            self.work.starts.push(Start { goal: goal as u32, q: *q });
+            let start =
+                Start { goal: goal as u32, q: *q, step: PI, best: *q, least: f64::INFINITY };
+            self.work.starts.push(start);
         }
         self.complete::<R>();
         self.polish::<R>();
@@ -153,26 +167,29 @@ impl OneCut<'_> {
             }
             let (h, noise) = harmonics(&samples);
             let on_arcs = arcs(&h);
+            let sifted = sifted(&on_arcs, noise);
             let row = in_row(&k);
             for lane in 0..count {
                 self.work.equations.push(lane_of(&row, lane));
                 self.work.harmonics.push(lane_of(&h, lane));
-                let mut one = [[0.0; HARMONICS]; 8];
-                for (to, from) in one.iter_mut().zip(&on_arcs) {
-                    *to = lane_of(from, lane);
-                }
-                self.look(first + lane, &one, noise.lane(lane));
+                self.look(first + lane, lane, &on_arcs, (&sifted, noise.lane(lane)));
             }
             first += R::WIDTH;
         }
     }
 
-    /// Isolates the roots of a goal's polynomial.
+    /// Isolates the roots of the polynomial of a goal, which is in a lane.
     #[inline(always)]
-    fn look(&mut self, goal: usize, on_arcs: &Arcs<f64>, noise: f64) {
+    fn look<R: Real>(
+        &mut self,
+        goal: usize,
+        lane: usize,
+        on_arcs: &Arcs<R>,
+        (sifted, noise): (&Sifted<R>, f64),
+    ) {
         let all = &mut self.work.places;
         let before = all.len();
-        places(goal as u32, on_arcs, noise, all);
+        places(goal as u32, lane, on_arcs, sifted, (&mut self.work.waiting, all));
         let found = &all[before..];
         let set = &mut self.sets[goal];
         set.noise = if noise.is_finite() { noise } else { f64::INFINITY };
@@ -188,21 +205,26 @@ impl OneCut<'_> {
             let mut rows = [&harmonics[group[0].goal as usize]; WIDEST];
             let (mut low, mut high) = ([0.0; WIDEST], [0.0; WIDEST]);
             let (mut signs, mut single) = ([1.0; WIDEST], 0_u32);
-            let mut centres = [0.0; WIDEST];
+            let (mut centres, mut noise) = ([0.0; WIDEST], [0.0; WIDEST]);
             for (lane, place) in group.iter().enumerate() {
                 rows[lane] = &harmonics[place.goal as usize];
+                noise[lane] = NOISE * self.sets[place.goal as usize].noise.max(EPSILON);
                 centres[lane] = place.centre;
                 (low[lane], high[lane]) = (place.lower, place.upper);
                 signs[lane] = if place.rising { 1.0 } else { -1.0 };
                 single |= u32::from(place.single) << lane;
             }
             let h: [R; HARMONICS] = spread(&rows);
+            let mut largest = R::zero();
+            for x in &h {
+                largest = largest.max(x.abs());
+            }
             let (centre, sign) = (R::load(&centres), R::load(&signs));
             let ends = atan2_each([R::load(&low), R::load(&high)], [R::splat(1.0); 2]);
             let [mut lower, mut upper] = ends.map(|end| centre + (end + end));
             let half = R::splat(0.5);
             let mut at = half * (lower + upper);
-            let mut active = single;
+            let (mut active, mut steep) = (single, R::zero());
             for _ in 0..REFINE {
                 if active == 0 {
                     break;
@@ -218,10 +240,15 @@ impl OneCut<'_> {
                 let next = R::select(inside, next, half * (lower + upper));
                 let step = (next - at).abs();
                 at = R::select(mask, next, at);
+                steep = R::select(mask, slope.abs(), steep);
                 active &= R::bits(R::splat(REFINED).lt(step));
             }
+            // What the noise of the samples may move the root by.
+            let blur = R::load(&noise) * largest;
+            let sharp = single & !active & R::bits(blur.lt(R::splat(SHARP) * steep));
             for (lane, place) in group.iter_mut().enumerate() {
                 place.angle = at.lane(lane);
+                place.sharp = sharp >> lane & 1 != 0;
             }
         }
     }
@@ -232,13 +259,13 @@ impl OneCut<'_> {
         let Work { equations, places, open, kinds, thirds, .. } = &mut *self.work;
         let [now, next] = open;
         now.clear();
-        let all = places.iter().enumerate();
-        let first = |(i, place): (usize, &Place)| Open {
-            place: i as u32,
-            angle: place.angle,
-            before: f64::INFINITY,
-        };
-        now.extend(all.map(first));
+        // Those that need no sharpening side by side, so that they need not wait for it.
+        for sharp in [true, false] {
+            for (i, place) in places.iter().enumerate().filter(|(_, one)| one.sharp == sharp) {
+                let before = if sharp { 0.0 } else { f64::INFINITY };
+                now.push(Open { place: i as u32, angle: place.angle, before });
+            }
+        }
         kinds.clear();
         kinds.resize(places.len(), [None; KINDS]);
         for round in 0..=SHARPEN {
@@ -253,31 +280,34 @@ impl OneCut<'_> {
                     (roots[lane], last[lane]) = (one.angle, one.before);
                     given[lane] = of(one).angle;
                 }
-                let k = from_row(&spread::<R, NUMBERS>(&rows));
                 let used = used(group.len());
                 let (angle, given, before) = (R::load(&roots), R::load(&given), R::load(&last));
                 let turn = angle.sin_cos();
-                let factors = Factors::new(&k, turn);
-                let first = factors.next(None, ROUNDS);
-                let off = distance(&factors, &k, turn, &first.right);
-                // At a double root without end, and no use.
-                let nearer = off.abs().lt(R::splat(0.3) * before);
-                let blunt = R::splat(SHARP).lt(off.abs());
-                let mut active = R::bits(R::and(blunt, nearer)) & used;
-                if round == SHARPEN {
-                    active = 0;
+                let factors = Factors::new(&columns_at::<R, false>(&rows, turn));
+                let first = factors.smallest();
+                let (mut active, mut off) = (0, R::zero());
+                if round < SHARPEN && group.iter().any(|one| one.before > 0.0) {
+                    off = distance(&factors, &columns_at::<R, true>(&rows, turn), &first.right);
+                    // At a double root without end, and no use.
+                    let nearer = off.abs().lt(R::splat(0.3) * before);
+                    let blunt = R::splat(SHARP).lt(off.abs());
+                    active = R::bits(R::and(blunt, nearer)) & used;
                 }
-                // What is taken: null vector and the lanes that have it.
+                let moved = R::bits(R::splat(MOVED).lt((angle - given).abs()));
+                // What is taken: null vector and the lanes that have it. Where a root was before
+                // it was sharpened is no other place than where it is if it has not moved.
                 let mut found = [(first.right, 0_u32); KINDS];
-                found[0].1 = if round == 0 { used } else { 0 };
+                found[0].1 = if round == 0 { active } else { 0 };
                 let done = used & !active;
                 found[1].1 = done;
                 if done != 0 {
-                    let second = factors.next(Some(&first), ROUNDS);
+                    let second = factors.next(&first, DOUBLE);
                     let double = R::bits(second.size.lt(R::splat(DOUBLE))) & done;
                     if double != 0 {
-                        let [one, two] = two_products(&first.right, &second.right);
-                        (found[2], found[3]) = ((one, double), (two, double));
+                        let two = two_products(&first.right, &second.right);
+                        for k in 0..2 {
+                            found[2 + k] = (two.products[k], double & !two.known[k]);
+                        }
                     }
                 }
                 for (kind, (v, lanes)) in found.iter().enumerate() {
@@ -294,7 +324,6 @@ impl OneCut<'_> {
                         }
                     }
                 }
-                let moved = R::bits(R::splat(MOVED).lt((angle - given).abs()));
                 let size = off.abs();
                 let off = off.max(R::splat(-LONGEST)).min(R::splat(LONGEST));
                 let far = R::splat(FARTHEST);
@@ -304,7 +333,6 @@ impl OneCut<'_> {
                         let (angle, before) = (onward.lane(lane), size.lane(lane));
                         next.push(Open { place: one.place, angle, before });
                     } else if moved >> lane & 1 == 0 {
-                        // It is where it was: the one before is no other.
                         kinds[one.place as usize][0] = None;
                     }
                 }
@@ -318,7 +346,7 @@ impl OneCut<'_> {
         thirds.extend(kinds.iter().flatten().flatten());
     }
 
-    /// All six angles.
+    /// All six angles, and one of Newton's steps from them.
     #[inline(always)]
     fn complete<R: Real>(&mut self) {
         let Work { goals, thirds, starts, .. } = &mut *self.work;
@@ -340,14 +368,14 @@ impl OneCut<'_> {
                 (y[k], x[k]) = q[from];
             }
             let q = atan2_each(y, x);
-            let (_, left, _) = self.serial.errors(&q, &goal);
+            let (error, left, columns) = self.serial.errors(&q, &goal);
             let near = R::bits(left.lt(R::splat(HOPELESS * HOPELESS)));
+            let next = stepped(self.serial, &q, (&error, &columns));
             for (lane, third) in group.iter().enumerate() {
-                let start = Start { goal: third.goal, q: lane_of(&q, lane) };
+                let start = Start::new(third.goal, lane, (&q, left), &next);
                 // The variants of a place are often the same posture.
                 let known = starts.iter().rev().take(VARIANTS).any(|other| {
-                    other.goal == start.goal
-                        && other.q.iter().zip(&start.q).all(|(a, b)| (a - b).abs() < SAME_START)
+                    other.goal == start.goal && nearer(&other.q, &start.q, SAME_START)
                 });
                 if near >> lane & 1 != 0 && !known {
                     starts.push(start);
@@ -356,16 +384,19 @@ impl OneCut<'_> {
         }
     }
 
-    /// Newton's steps from all starts; what comes near enough goes into the sets.
+    /// Newton's steps from all starts; what comes near enough goes into the sets. After each step
+    /// those that are left close up, so that the many that need few do not wait for the few that
+    /// need many.
     #[inline(always)]
     fn polish<R: Real>(&mut self) {
         let (serial, sets) = (self.serial, &mut *self.sets);
         let Work { goals, starts, later, .. } = &mut *self.work;
-        for (stage, steps) in STEPS.into_iter().enumerate() {
-            let last = stage + 1 == STEPS.len();
-            let list = std::mem::take(starts);
+        for step in 1..=STEPS {
+            if starts.is_empty() {
+                break;
+            }
             later.clear();
-            for group in list.chunks(R::WIDTH) {
+            for group in starts.chunks(R::WIDTH) {
                 let mut rows = [&goals[group[0].goal as usize]; WIDEST];
                 let mut from = [&group[0].q; WIDEST];
                 for (lane, start) in group.iter().enumerate() {
@@ -373,19 +404,78 @@ impl OneCut<'_> {
                     from[lane] = &start.q;
                 }
                 let goal = motion(&spread::<R, MOTION>(&rows));
-                let found = serial.approach(gather(&from), &goal, steps, FINE);
+                let q = gather(&from);
+                let (error, left, columns) = serial.errors(&q, &goal);
+                let fine = R::bits(left.le(R::splat(FINE * FINE)));
+                let next = if fine & used(group.len()) == used(group.len()) {
+                    (q, R::zero())
+                } else {
+                    stepped(serial, &q, (&error, &columns))
+                };
                 for (lane, start) in group.iter().enumerate() {
-                    let left = found.left.lane(lane);
-                    let q = lane_of(&found.q, lane);
-                    let enough = if last { NEAR } else { 100.0 * FINE };
-                    if left <= enough * enough {
-                        sets[start.goal as usize].add(&q);
-                    } else if stage == 0 || !last && left < PROMISING * PROMISING {
-                        later.push(Start { goal: start.goal, q });
+                    let set = &mut sets[start.goal as usize];
+                    let mut here = Start::new(start.goal, lane, (&q, left), &next);
+                    if start.least < here.least {
+                        (here.best, here.least) = (start.best, start.least);
+                    }
+                    let enough = match step {
+                        1 => FINE,
+                        STEPS => NEAR,
+                        _ => 100.0 * FINE,
+                    };
+                    if here.least <= enough * enough {
+                        set.add(&here.best);
+                    } else if step != LOOK || here.least < PROMISING * PROMISING {
+                        later.push(here);
                     }
                 }
             }
-            *starts = std::mem::replace(later, list);
+            // A step that has led to a posture by nine tenths of its way leads nowhere else.
+            later.retain(|start| {
+                let known = sets[start.goal as usize].postures();
+                start.step > LONG || !known.iter().any(|q| nearer(q, &start.q, 0.1 * start.step))
+            });
+            std::mem::swap(starts, later);
         }
     }
+}
+
+impl Start {
+    /// A posture in a lane with what is left squared, and where the next step leads.
+    #[inline(always)]
+    fn new<R: Real>(goal: u32, lane: usize, at: (&[R; 6], R), next: &([R; 6], R)) -> Self {
+        Self {
+            goal,
+            q: lane_of(&next.0, lane),
+            step: next.1.lane(lane),
+            best: lane_of(at.0, lane),
+            least: at.1.lane(lane),
+        }
+    }
+}
+
+/// A posture after one of Newton's steps, and how long that was, rad.
+#[inline(always)]
+fn stepped<R: Real>(
+    serial: &Serial<6>,
+    q: &[R; 6],
+    (error, columns): (&[R; 6], &[[R; 6]; 6]),
+) -> ([R; 6], R) {
+    let change = serial.step(error, columns);
+    let (mut out, mut longest) = (*q, R::zero());
+    for k in 0..6 {
+        out[k] += change[k];
+        longest = longest.max(change[k].abs());
+    }
+    (out, longest)
+}
+
+/// All joints are, whole turns aside.
+#[inline(always)]
+fn nearer(a: &[f64; 6], b: &[f64; 6], far: f64) -> bool {
+    let mut all = true;
+    for k in 0..6 {
+        all &= turned(a[k] - b[k]).abs() < far;
+    }
+    all
 }

@@ -7,7 +7,8 @@
 
 use std::sync::LazyLock;
 
-use super::cut::{Equations, ROWS, mirror, reflect};
+use super::cut::{Equations, ROWS};
+use crate::closed_form::geometry::mirrors::{mirror, reflect, unrolled};
 use crate::lanes::Real;
 
 /// Degree.
@@ -28,9 +29,11 @@ pub static ANGLES: LazyLock<[(f64, f64); SAMPLES]> = LazyLock::new(|| {
     })
 });
 
-/// The columns of the equations at a value of the hidden angle.
+/// The columns of the equations at a value of the hidden angle, `[powers of x and y][equation]`.
+pub type Columns<R> = [[R; ROWS]; 9];
+
 #[inline(always)]
-pub fn columns<R: Real>(equations: &Equations<R>, (c, s): (R, R)) -> [[R; ROWS]; 9] {
+fn columns<R: Real>(equations: &Equations<R>, (c, s): (R, R)) -> Columns<R> {
     let mut out = [[R::zero(); ROWS]; 9];
     let [constant, cosine, sine] = equations;
     for (j, column) in out.iter_mut().enumerate() {
@@ -43,16 +46,15 @@ pub fn columns<R: Real>(equations: &Equations<R>, (c, s): (R, R)) -> [[R; ROWS];
 
 /// Mirrors the first three columns into a triangle; their diagonal's product.
 #[inline(always)]
-fn reduce<R: Real>(columns: &mut [[R; ROWS]; 9]) -> R {
+fn reduce<R: Real>(columns: &mut Columns<R>) -> R {
     let mut product = R::splat(1.0);
-    for k in 0..3 {
-        let (head, rest) = columns.split_at_mut(k + 1);
-        let v = mirror(&mut head[k], k);
-        product *= head[k][k];
-        for column in rest {
-            reflect(&v, column, k);
+    unrolled!(K in [0 1 2] {
+        let v = mirror::<R, ROWS, K>(&mut columns[K]);
+        product *= columns[K][K];
+        for j in K + 1..9 {
+            reflect::<R, ROWS, K>(&v, &mut columns[j]);
         }
-    }
+    });
     product
 }
 
@@ -71,14 +73,13 @@ pub fn sample<R: Real>(equations: &Equations<R>, at: (R, R)) -> R {
         column[..3].copy_from_slice(&above[3 + j][3..]);
         column[3..].copy_from_slice(&below[3 + j][3..]);
     }
-    for k in 0..ROWS - 1 {
-        let (head, rest) = left.split_at_mut(k + 1);
-        let v = mirror(&mut head[k], k);
-        product *= head[k][k];
-        for column in rest {
-            reflect(&v, column, k);
+    unrolled!(K in [0 1 2 3 4] {
+        let v = mirror::<R, ROWS, K>(&mut left[K]);
+        product *= left[K][K];
+        for j in K + 1..ROWS {
+            reflect::<R, ROWS, K>(&v, &mut left[j]);
         }
-    }
+    });
     product * left[ROWS - 1][ROWS - 1]
 }
 

@@ -1,6 +1,7 @@
 //! Goals and equations as rows of numbers, and rows side by side in the lanes.
 
 use super::cut::{Equations, ROWS};
+use super::resultant::Columns;
 use crate::closed_form::geometry::rigid::Rigid;
 use crate::lanes::{Real, WIDEST};
 
@@ -35,13 +36,10 @@ pub fn gather<R: Real, const N: usize>(rows: &[&[f64; N]; WIDEST]) -> [R; N] {
 pub fn spread<R: Real, const N: usize>(rows: &[&[f64; N]; WIDEST]) -> [R; N] {
     let mut out = rows[0].map(R::splat);
     let mut open = used(R::WIDTH);
-    let lanes_of = |row: &[f64; N]| {
-        (0..R::WIDTH).fold(0, |all, lane| all | u32::from(std::ptr::eq(rows[lane], row)) << lane)
-    };
-    open &= !lanes_of(rows[0]);
+    open &= !sharing::<R, N>(rows, rows[0]);
     while open != 0 {
         let row = rows[open.trailing_zeros() as usize];
-        let lanes = lanes_of(row);
+        let lanes = sharing::<R, N>(rows, row);
         let mask = R::mask_from_bits(lanes);
         for (x, from) in out.iter_mut().zip(row) {
             *x = R::select(mask, R::splat(*from), *x);
@@ -68,7 +66,7 @@ pub fn motion<R: Real>(x: &[R; MOTION]) -> Rigid<R> {
     Rigid { axes, shift: [x[9], x[10], x[11]] }
 }
 
-/// Equations in a row of numbers, and back.
+/// Equations in a row of numbers.
 #[inline(always)]
 pub fn in_row<R: Real>(k: &Equations<R>) -> [R; NUMBERS] {
     let mut out = [R::zero(); NUMBERS];
@@ -82,17 +80,40 @@ pub fn in_row<R: Real>(k: &Equations<R>) -> [R; NUMBERS] {
     out
 }
 
+/// The columns of the equations at a value (sine, cosine) of the hidden angle in each lane, and
+/// with `SLOPES` their derivatives, of rows as [`spread`] has them.
 #[inline(always)]
-pub fn from_row<R: Real>(row: &[R; NUMBERS]) -> Equations<R> {
-    let mut out = [[[R::zero(); ROWS]; 9]; 3];
-    for a in 0..3 {
+pub fn columns_at<R: Real, const SLOPES: bool>(
+    rows: &[&[f64; NUMBERS]; WIDEST],
+    (s, c): (R, R),
+) -> Columns<R> {
+    const PART: usize = 9 * ROWS;
+    let mut out = [[R::zero(); ROWS]; 9];
+    let mut open = used(R::WIDTH);
+    while open != 0 {
+        let row = rows[open.trailing_zeros() as usize];
+        let lanes = sharing::<R, NUMBERS>(rows, row);
+        let mask = R::mask_from_bits(lanes);
         for j in 0..9 {
             for i in 0..ROWS {
-                out[a][j][i] = row[(9 * a + j) * ROWS + i];
+                let part = |k: usize| R::splat(row[k * PART + j * ROWS + i]);
+                let x = if SLOPES {
+                    c.mul_add(part(2), -(s * part(1)))
+                } else {
+                    s.mul_add(part(2), c.mul_add(part(1), part(0)))
+                };
+                out[j][i] = R::select(mask, x, out[j][i]);
             }
         }
+        open &= !lanes;
     }
     out
+}
+
+/// The lanes whose row is this one.
+#[inline(always)]
+fn sharing<R: Real, const N: usize>(rows: &[&[f64; N]; WIDEST], row: &[f64; N]) -> u32 {
+    (0..R::WIDTH).fold(0, |all, lane| all | u32::from(std::ptr::eq(rows[lane], row)) << lane)
 }
 
 /// Lanes that hold something of a group, a bit each.
