@@ -14,6 +14,7 @@
 pub mod broad_phase;
 pub mod cover;
 pub mod distance;
+pub mod outline;
 pub mod pose;
 pub mod probe;
 pub mod scene;

@@ -35,7 +35,7 @@ fn length_square<N: Arithmetic>(v: [N; 3]) -> N {
 /// One point.
 #[derive(Debug, Clone, Copy)]
 pub struct PointProbe<N> {
-    point: [N; 3],
+    pub(crate) point: [N; 3],
 }
 
 impl<N: Arithmetic> PointProbe<N> {
@@ -57,9 +57,9 @@ impl<N: Arithmetic> Probe<N> for PointProbe<N> {
 /// A segment.
 #[derive(Debug, Clone, Copy)]
 pub struct SegmentProbe<N> {
-    from: [N; 3],
-    way: [N; 3],
-    inverse: N,
+    pub(crate) from: [N; 3],
+    pub(crate) way: [N; 3],
+    pub(crate) inverse: N,
 }
 
 impl<N: Arithmetic> SegmentProbe<N> {
@@ -90,12 +90,12 @@ impl<N: Arithmetic> Probe<N> for SegmentProbe<N> {
 /// A box.
 #[derive(Debug, Clone, Copy)]
 pub struct CuboidProbe<N> {
-    axes: [[N; 3]; 3],
-    shift: [N; 3],
-    half: [N; 3],
-    centre: [N; 3],
+    pub(crate) axes: [[N; 3]; 3],
+    pub(crate) shift: [N; 3],
+    pub(crate) half: [N; 3],
+    pub(crate) centre: [N; 3],
     /// Distance of the corners from the centre.
-    size: N,
+    pub(crate) size: N,
 }
 
 impl<N: Arithmetic> CuboidProbe<N> {

@@ -8,6 +8,7 @@ use agrik_compute::{Allowed, Error, Result};
 use crate::broad_phase::{Asking, BroadPhase, Exempt, Found};
 use crate::cover::Spheres;
 use crate::distance::closest;
+use crate::outline::View;
 use crate::shapes::{Cloud, LARGEST, Point, Solid};
 
 /// One thing of a scene: a fruit, a stem, a pipe.
@@ -71,6 +72,11 @@ impl Exemption {
     /// No object is left out.
     pub fn none() -> Self {
         Self::default()
+    }
+
+    /// True for an object that is left out, by its index.
+    pub fn contains(&self, object: usize) -> bool {
+        self.0.contains(object as u32)
     }
 
     /// The same with some more objects, by their indices, of a scene of `count`.
@@ -188,6 +194,17 @@ impl Scene {
             .map(|name| self.object(name).map(|index| index as u32))
             .collect::<Result<_>>()?;
         Ok(Exemption(Exempt::new(labels, self.objects.len() as u32)))
+    }
+
+    /// All objects as balls see them, for so many questions of eight lanes each to come: what is
+    /// ruled out there is far from them in truth.
+    pub fn view(&self, questions: usize) -> View<'_> {
+        self.phase.view(questions)
+    }
+
+    /// The largest clearance that an object asks for, m.
+    pub fn largest_clearance(&self) -> f64 {
+        self.clearance
     }
 
     /// The same scene, asked with the instructions of another level than the one in use.

@@ -1,14 +1,14 @@
 //! Freedom of collisions as what inverse kinematics may ask of its answers.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use agrik::call::Accept;
-use agrik::kinematics::{FRAME, moving_frames};
 use agrik_compute::Allowed;
-use agrik_compute::lanes::Lanes;
+use agrik_compute::lanes::{Lanes, WIDEST};
 
 use super::collider::Collider;
 use super::placed::Placed;
+use super::sieve::Sifted;
 use crate::Result;
 
 /// Accepts postures that are free: farther than a distance from everything, and with no two
@@ -21,6 +21,17 @@ pub struct Free<'a> {
     objects_keep: bool,
     /// Rooms that nobody uses at the moment.
     rooms: Mutex<Vec<Placed>>,
+    sifted: Mutex<Vec<Sifted>>,
+}
+
+/// Rooms of one kind; a thread that panicked in one took it along.
+fn held<T>(rooms: &Mutex<Vec<T>>) -> MutexGuard<'_, Vec<T>> {
+    rooms.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// One of them.
+fn taken<T>(rooms: &Mutex<Vec<T>>) -> Option<T> {
+    held(rooms).pop()
 }
 
 impl<'a> Free<'a> {
@@ -32,44 +43,41 @@ impl<'a> Free<'a> {
     pub fn new(collider: &'a Collider, clear: f64) -> Result<Self> {
         Allowed::NOT_NEGATIVE.check("clear", clear)?;
         let objects_keep = collider.scene().objects().iter().any(|o| o.clearance > clear);
-        Ok(Self { collider, clear, objects_keep, rooms: Mutex::default() })
-    }
-
-    /// Works in a room of the caller's own; a thread that panicked in one took it along.
-    fn with_room<T>(&self, work: impl FnOnce(&mut Placed) -> T) -> T {
-        let rooms = || self.rooms.lock().unwrap_or_else(PoisonError::into_inner);
-        let free = rooms().pop();
-        let mut room = free.unwrap_or_else(|| self.collider.bodies().room());
-        let done = work(&mut room);
-        rooms().push(room);
-        done
+        Ok(Self {
+            collider,
+            clear,
+            objects_keep,
+            rooms: Mutex::default(),
+            sifted: Mutex::default(),
+        })
     }
 
     fn at<T>(&self, q: &[f64], ask: impl FnOnce(&Placed) -> T) -> T {
-        self.with_room(|placed| {
-            self.collider.bodies().place_unchecked(q, placed);
-            ask(placed)
-        })
+        let mut room = taken(&self.rooms).unwrap_or_else(|| self.collider.bodies().room());
+        self.collider.bodies().place_unchecked(q, &mut room);
+        let answer = ask(&room);
+        held(&self.rooms).push(room);
+        answer
     }
 }
 
 impl Accept for Free<'_> {
     fn accepts(&self, q: &[f64]) -> Lanes {
-        let (bodies, collider) = (self.collider.bodies(), self.collider);
-        let chain = bodies.chain();
-        let size = FRAME * chain.compiled().links.len();
-        self.with_room(|placed| {
-            let mut frames = std::mem::take(&mut placed.numbers);
-            frames.resize(q.len() / chain.dof() * size, 0.0);
-            moving_frames(chain, q, &mut frames);
-            let mut accepted = 0;
-            for (row, frames) in frames.chunks(size).enumerate() {
-                placed.fill(bodies, frames);
-                accepted |= Lanes::from(!collider.hits(placed, self.clear)) << row;
-            }
-            placed.numbers = frames;
-            accepted
-        })
+        let dof = self.collider.bodies().chain().dof();
+        if q.len() == dof {
+            // Lanes do not pay for one.
+            return Lanes::from(!self.at(q, |placed| self.collider.hits(placed, self.clear)));
+        }
+        let eight = WIDEST * dof;
+        let mut room = taken(&self.sifted).unwrap_or_else(|| self.collider.sifted());
+        let mut accepted = 0;
+        for (group, q) in q.chunks(eight).enumerate() {
+            let hits = self.collider.hits_together(q, self.clear, 1, &mut room);
+            let all = Lanes::MAX >> (Lanes::BITS as usize - q.len() * WIDEST / eight);
+            accepted |= (!hits & all) << (group * WIDEST);
+        }
+        held(&self.sifted).push(room);
+        accepted
     }
 
     fn margin(&self, q: &[f64], cap: f64) -> f64 {

@@ -2,6 +2,7 @@
 
 use agrik::kinematics::{FRAME, moving_frames};
 use agrik_compute::Allowed;
+use agrik_compute::lanes::WIDEST;
 use agrik_compute::threads::share;
 use agrik_solids::Point;
 
@@ -68,9 +69,20 @@ impl Collider {
     /// finite number of 0 or more, or `poll` said no.
     pub fn collides(&self, q: &[f64], clear: f64, threads: usize, poll: Poll) -> Result<Vec<bool>> {
         Allowed::NOT_NEGATIVE.check("clear", clear)?;
-        let mut out = vec![false; q.len() / self.dof()];
-        self.each(q, 1, &mut out, threads, poll, |placed, out| out[0] = self.hits(placed, clear))?;
-        Ok(out)
+        let dof = self.dof();
+        check_postures(self.bodies().chain(), q)?;
+        let mut out = vec![false; q.len() / dof];
+        let work = |(q, out): (&[f64], &mut [bool])| {
+            let mut room = self.sifted();
+            for (q, out) in q.chunks(dof * WIDEST).zip(out.chunks_mut(WIDEST)) {
+                let hits = self.hits_together(q, clear, 1, &mut room);
+                for (row, to) in out.iter_mut().enumerate() {
+                    *to = hits >> row & 1 != 0;
+                }
+            }
+        };
+        let runs = q.chunks(dof * RUN).zip(out.chunks_mut(RUN)).collect();
+        if share(runs, threads, &work, poll) { Ok(out) } else { Err(Error::Interrupted) }
     }
 
     /// Distances of postures from the nearest collision, m, no more than `cap` (no number is

@@ -10,6 +10,7 @@ use nalgebra::{IsometryMatrix3, Matrix4, Rotation3, Translation3};
 use super::placed::Placed;
 use super::self_pairs::{self, Excluded, Pairs};
 use super::shape::{Body, Shape};
+use super::sieve::Sieve;
 use crate::{Error, Result};
 
 /// Largest angle of a joint, rad: some 1,600 turns.
@@ -22,6 +23,9 @@ pub struct Bodies {
     bodies: Vec<Body>,
     mounts: Vec<Mount>,
     pairs: Pairs,
+    sieve: Arc<Sieve>,
+    /// Levers of the moving joints, one body after another; see [`Bodies::levers`].
+    levers: Arc<[f64]>,
 }
 
 /// How a body stands on the chain that the lanes work on.
@@ -75,7 +79,10 @@ impl Bodies {
             }
         }
         let mounts = mounts(&chain, &bodies)?;
-        let mut made = Self { chain, bodies, mounts, pairs: Pairs::default() };
+        let sieve = Arc::new(Sieve::new(&bodies, &mounts));
+        let (pairs_of_none, levers) = (Pairs::default(), Arc::from([]));
+        let mut made = Self { chain, bodies, mounts, pairs: pairs_of_none, sieve, levers };
+        made.levers = made.levers_of_joints().into();
         made.pairs = match pairs {
             Some(given) => self_pairs::given(given, made.len())?,
             None => self_pairs::by_the_rules(&made),
@@ -157,6 +164,17 @@ impl Bodies {
 
     pub(crate) fn mounts(&self) -> &[Mount] {
         &self.mounts
+    }
+
+    /// The levers of [`Bodies::levers`] of a body, one a moving joint.
+    pub(crate) fn lasting_levers(&self, body: usize) -> &[f64] {
+        let moving = self.chain.compiled().links.len();
+        &self.levers[moving * body..moving * (body + 1)]
+    }
+
+    /// The bodies as balls.
+    pub(crate) fn sieve(&self) -> &Sieve {
+        &self.sieve
     }
 
     /// Room for a posture.

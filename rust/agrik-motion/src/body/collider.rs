@@ -124,9 +124,14 @@ impl Collider {
 
     /// Objects that a body does not mind where the tool is now.
     pub fn exemption(&self, placed: &Placed, body: usize) -> &Exemption {
+        self.exemption_with(|| placed.tool(), body)
+    }
+
+    /// The same with the tool point where it is said to be, m.
+    pub(super) fn exemption_with(&self, tool: impl FnOnce() -> Point, body: usize) -> &Exemption {
         match &self.zone {
             Some((exempt, target, radius2)) => {
-                let way = sub(placed.tool(), *target);
+                let way = sub(tool(), *target);
                 let near = dot(way, way) <= *radius2;
                 if near { &exempt[body] } else { &self.exempt[body] }
             }
@@ -157,8 +162,17 @@ impl Collider {
 
     /// True where one body is `clear` (m) or less away from an object that it minds.
     pub fn body_hits(&self, placed: &Placed, body: usize, clear: f64) -> bool {
-        let exempt = self.exemption(placed, body);
-        let solid = &placed.solids()[body];
+        self.solid_hits(body, &placed.solids()[body], self.exemption(placed, body), clear)
+    }
+
+    /// The same of a body that lies as `solid`.
+    pub(super) fn solid_hits(
+        &self,
+        body: usize,
+        solid: &Solid,
+        exempt: &Exemption,
+        clear: f64,
+    ) -> bool {
         match self.covered(body, solid) {
             None => self.scene.hits(solid, exempt, clear),
             Some(spheres) => spheres.hits(&self.scene, exempt, clear),
@@ -209,6 +223,11 @@ impl Collider {
             None => self.scene.margin(solid, exempt, clear, cap),
             Some(spheres) => spheres.margin(&self.scene, exempt, clear, cap),
         }
+    }
+
+    /// What the bodies do not mind away from the target.
+    pub(super) fn exemptions(&self) -> &[Exemption] {
+        &self.exempt
     }
 
     /// What a body does not mind away from the target.

@@ -18,23 +18,35 @@ impl Bodies {
     /// body's frame, and its farthest core point from there. m/rad or no unit; infinite
     /// behind a slide without limits.
     pub fn levers(&self) -> Vec<f64> {
-        let (chain, count) = (self.chain(), self.len());
-        let joints = chain.joints();
-        let mut levers = vec![0.0; chain.dof() * count];
+        let (links, count) = (&self.chain().compiled().links, self.len());
+        let mut levers = vec![0.0; self.chain().dof() * count];
+        for body in 0..count {
+            for (link, lever) in links.iter().zip(self.lasting_levers(body)).rev() {
+                levers[link.variable * count + body] += link.multiplier.abs() * lever;
+            }
+        }
+        levers
+    }
+
+    /// The same of each moving joint, one body after another; 0 for those that do not move it.
+    pub(super) fn levers_of_joints(&self) -> Vec<f64> {
+        let chain = self.chain();
+        let (joints, moving) = (chain.joints(), chain.compiled().links.len());
+        let mut levers = vec![0.0; moving * self.len()];
         for (b, body) in self.bodies().iter().enumerate() {
             let mut length =
                 self.extreme_points_in_frame(b).into_iter().map(norm).fold(0.0, f64::max);
             if body.frame > joints.len() {
                 length += chain.tool().translation.vector.norm();
             }
-            let mut links = chain.compiled().links[..self.moved_by(b)].iter().rev();
+            let links = &chain.compiled().links[..self.moved_by(b)];
+            let mut links = links.iter().zip(&mut levers[moving * b..]).rev();
             for joint in joints[..body.frame.min(joints.len())].iter().rev() {
                 length += joint.after.translation.vector.norm();
                 if joint.kind != JointKind::Fixed
-                    && let Some(link) = links.next()
+                    && let Some((link, lever)) = links.next()
                 {
-                    let lever = if link.prismatic { 1.0 } else { length };
-                    levers[link.variable * count + b] += link.multiplier.abs() * lever;
+                    *lever = if link.prismatic { 1.0 } else { length };
                     if link.prismatic {
                         let v = &chain.variables()[link.variable];
                         let (low, high) = (v.lower * link.multiplier, v.upper * link.multiplier);

@@ -14,6 +14,8 @@ mod levers;
 mod placed;
 mod self_pairs;
 mod shape;
+mod sieve;
+mod together;
 
 pub use accept::Free;
 pub use batch::{BodyDistance, Distances, OwnDistance};
@@ -24,3 +26,4 @@ pub(crate) use levers::link_levers;
 pub use placed::Placed;
 pub use self_pairs::{Excluded, Reason};
 pub use shape::{Body, Shape};
+pub(crate) use sieve::{Bends, PARTS, Sifted};

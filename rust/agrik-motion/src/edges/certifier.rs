@@ -9,6 +9,7 @@ use agrik_solids::{Point, closest, distance_within};
 
 use super::mover::{Asked, Bound, Mover, levers};
 use super::sample::Sample;
+use super::sweep::Glance;
 use super::verdict::{Keep, Outcome, Verdict};
 use crate::body::Mount;
 use crate::{Collider, Contact, Other, Placed};
@@ -40,6 +41,9 @@ pub struct Certifier<'c> {
     sample: Sample,
     pub(super) rates: Vec<f64>,
     pub(super) room: Room,
+    pub(super) glance: Glance,
+    /// Movers that a glance has left open.
+    pub(super) left: Vec<usize>,
 }
 
 /// Memory for a way.
@@ -93,6 +97,11 @@ impl<'c> Certifier<'c> {
         };
         let movers: Vec<Mover> =
             collider.asked().iter().map(body).chain(bodies.self_pairs().iter().map(pair)).collect();
+        let pairs = movers.iter().filter_map(|mover| match mover.asked {
+            Asked::Pair(near, far) => Some((near, far)),
+            Asked::Body(_) => None,
+        });
+        let pairs = pairs.collect();
         let links = bodies.chain().compiled().links.len();
         let placed = bodies.room();
         let sample = Sample::new(placed.frames()[0], links);
@@ -103,10 +112,12 @@ impl<'c> Certifier<'c> {
             bounds: vec![Bound::default(); movers.len()],
             tool: Bound::default(),
             spheres: bodies.mounts().iter().map(|mount| mount.solid.bounding_sphere()).collect(),
-            movers,
             middle: sample.clone(),
             sample,
             rates: vec![0.0; links],
+            left: Vec::with_capacity(movers.len()),
+            glance: Glance::new(collider.sifted(), pairs, bodies.len()),
+            movers,
             room: Room {
                 q: Vec::new(),
                 frames: Vec::new(),
@@ -138,12 +149,25 @@ impl<'c> Certifier<'c> {
         for (rate, link) in self.rates.iter_mut().zip(links) {
             *rate = link.multiplier * (to[link.variable] - from[link.variable]);
         }
+        let mut known = Known { least: self.keep.cap, checks: 0, open: None };
+        self.left.clear();
+        if self.keep.cap > self.keep.clear {
+            self.left.extend(0..self.movers.len());
+        } else {
+            known.checks = self.movers.len() as u32;
+            if let Some((mover, at)) = self.glance(from, to) {
+                return self.hit(mover, at, &known);
+            }
+            if self.left.is_empty() {
+                return self.done(&known);
+            }
+        }
         self.frames(&[0.5], from, to);
         self.middle.fill(links, &self.room.frames, &self.rates);
         self.take_bounds();
-        let mut known = Known { least: self.keep.cap, checks: 0, open: None };
         self.room.queue.clear();
-        for mover in 0..self.movers.len() {
+        for place in 0..self.left.len() {
+            let mover = self.left[place];
             // All of them are asked about the middle, which is in place.
             let piece = Piece { mover, low: 0.0, high: 1.0 };
             if self.look(piece, None, &mut known) {
@@ -230,23 +254,28 @@ impl<'c> Certifier<'c> {
         self.middle.fill(self.links(), &self.room.frames, &self.rates);
     }
 
-    /// Works out how far everything moves on a way whose middle and rates are in place.
+    /// Works out how far the movers that are left open move on a way whose middle and rates are
+    /// in place.
     pub(super) fn take_bounds(&mut self) {
         let (links, mounts) = (self.links(), self.collider.bodies().mounts());
         let levers_of = &mut self.room.levers;
-        let mut last = usize::MAX;
-        for (mover, bound) in self.movers.iter().zip(&mut self.bounds) {
+        let (mut last, mut touches) = (usize::MAX, false);
+        for place in &self.left {
+            let mover = &self.movers[*place];
             let links = &links[..mover.to];
             let (Asked::Body(body) | Asked::Pair(_, body)) = mover.asked;
             if body != last {
                 levers(links, &self.middle, &mounts[body].points, &self.rates, levers_of);
                 last = body;
             }
-            *bound = Bound::new(links, mover.from, levers_of, &self.rates);
+            touches |= self.collider.touch_exemption(body).is_some();
+            self.bounds[*place] = Bound::new(links, mover.from, levers_of, &self.rates);
         }
-        let tail = self.collider.bodies().chain().compiled().tail.translation;
-        levers(links, &self.middle, &[tail], &self.rates, levers_of);
-        self.tool = Bound::new(links, 0, levers_of, &self.rates);
+        if touches {
+            let tail = self.collider.bodies().chain().compiled().tail.translation;
+            levers(links, &self.middle, &[tail], &self.rates, levers_of);
+            self.tool = Bound::new(links, 0, levers_of, &self.rates);
+        }
     }
 
     /// Looks at the middle of a piece, whose frames start at a place of the room's (the middle

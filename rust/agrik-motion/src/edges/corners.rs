@@ -59,6 +59,8 @@ impl Certifier<'_> {
             *rate = 2.0 * link.multiplier.abs() * margin(link.variable);
         }
         self.take_middle(&middle);
+        self.left.clear();
+        self.left.extend(0..self.movers.len());
         self.take_bounds();
         // Which way bodies go is not known: nothing but the levers counts.
         self.bounds.iter_mut().chain([&mut self.tool]).for_each(Bound::forget_speed);

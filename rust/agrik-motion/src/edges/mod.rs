@@ -12,6 +12,7 @@ mod corners;
 mod mover;
 mod paths;
 mod sample;
+mod sweep;
 mod verdict;
 
 pub use certifier::Certifier;

@@ -8,10 +8,13 @@ mod exempt;
 
 pub use exempt::Exempt;
 
+use std::sync::Arc;
+
 use agrik_compute::lanes::{Kernel32, Level, Real32, dispatch_eights};
 
 use crate::cover::Spheres;
 use crate::distance::{distance_within, point_to_core};
+use crate::outline::{Surroundings, View};
 use crate::probe::{CuboidProbe, PointProbe, Probe, SegmentProbe};
 use crate::shapes::{Core, Solid};
 use crate::sphere_tree::{ALL_LABELS, Leaves, SphereTree};
@@ -81,6 +84,8 @@ pub struct BroadPhase {
     solids: Vec<(Solid, u32)>,
     /// Which of them have no bounds.
     unbounded: Vec<usize>,
+    /// The same, to be ruled out for many balls at a time.
+    surroundings: Arc<Surroundings>,
     level: Level,
 }
 
@@ -106,7 +111,10 @@ impl BroadPhase {
         }
         let tree = SphereTree::new(leaves.iter().map(|(sphere, label, _)| (*sphere, *label)));
         let ordered: Vec<_> = tree.order().iter().map(|given| leaves[*given as usize]).collect();
+        let outlined = ordered.iter().map(|(sphere, label, to)| (sphere, *label, *to == SPHERE));
+        let surroundings = Arc::new(Surroundings::new(&tree, outlined, &kept));
         Self {
+            surroundings,
             spheres: ordered.iter().map(|leaf| leaf.0).collect(),
             labels: ordered.iter().map(|leaf| leaf.1).collect(),
             leads_to: ordered.iter().map(|leaf| leaf.2).collect(),
@@ -121,6 +129,11 @@ impl BroadPhase {
     /// are the same at all levels.
     pub fn at_level(self, level: Level) -> Self {
         Self { level, ..self }
+    }
+
+    /// All of it as balls see it, for so many questions; see [`Surroundings`].
+    pub fn view(&self, questions: usize) -> View<'_> {
+        self.surroundings.view(questions, |leaf| self.spheres[leaf as usize])
     }
 
     /// The nearest solid that is `cap` (m) or less away, or none. Of several at the same

@@ -1,6 +1,6 @@
 //! Making a tree: halving the spheres along their longest side until eight are left.
 
-use super::{FAN, Group, LEVELS};
+use super::{FAN, FAR, Group, LEVELS};
 use crate::distance::norm;
 use crate::shapes::Point;
 
@@ -120,6 +120,21 @@ impl SphereTree {
     /// How many spheres there are.
     pub fn len(&self) -> usize {
         self.order.len()
+    }
+
+    /// Balls (x, y, z, radius, m, from the origin of the tree) of the topmost level: all spheres
+    /// lie in them.
+    pub(crate) fn top(&self) -> impl Iterator<Item = [f32; 4]> {
+        let first = if self.levels == 0 { 0 } else { self.first[self.levels - 1] };
+        let groups = &self.groups[first as usize..];
+        let lanes =
+            groups.iter().flat_map(|g| (0..FAN).map(|i| [g.x[i], g.y[i], g.z[i], g.radius[i]]));
+        lanes.filter(|[x, ..]| *x < FAR)
+    }
+
+    /// No sphere goes beyond this distance from the origin, m.
+    pub(crate) fn extent(&self) -> f64 {
+        self.extent
     }
 
     /// True where there is no sphere.

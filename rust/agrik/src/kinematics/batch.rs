@@ -79,6 +79,21 @@ pub fn moving_frames(chain: &Chain, q: &[f64], out: &mut [f64]) {
     }
 }
 
+/// [`moving_frames`] of up to [`WIDEST`] rows, side by side: place `i` of an entry is that of row
+/// `i`, of the last row where there are fewer; number `k` of frame `j` is entry `FRAME * j + k`.
+/// To the bit the same numbers.
+pub fn frames_abreast(chain: &Chain, q: &[f64], out: &mut [[f64; WIDEST]]) {
+    if q.len() == chain.dof() {
+        let mut one: SmallVec<[f64; 8 * FRAME]> = smallvec![0.0; out.len()];
+        moving_frames(chain, q, &mut one);
+        for (to, x) in out.iter_mut().zip(one) {
+            *to = [x; WIDEST];
+        }
+    } else {
+        dispatch(Level::in_use(), Abreast { chain, q, out });
+    }
+}
+
 /// Runs a kernel over rows; a pass over all lanes does not pay for one or two of them.
 pub(crate) fn run_rows<K: Kernel>(rows: usize, kernel: K) -> K::Output {
     let level = Level::in_use();
@@ -146,6 +161,40 @@ impl Kernel for Frames<'_> {
                 *one = frame_numbers(&frame);
             }
             unload_rows(&frames, to);
+        }
+    }
+}
+
+struct Abreast<'a> {
+    chain: &'a Chain,
+    q: &'a [f64],
+    out: &'a mut [[f64; WIDEST]],
+}
+
+impl Kernel for Abreast<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        let compiled = self.chain.compiled();
+        let dof = compiled.dof;
+        let mut q: PerJoint<R> = smallvec![R::zero(); dof];
+        let mut lanes = 0;
+        for from in self.q.chunks(dof * R::WIDTH) {
+            load_rows(from, dof, from.len() / dof, &mut q);
+            let mut frame = Frame::start(compiled);
+            for (i, to) in self.out.as_chunks_mut::<FRAME>().0.iter_mut().enumerate() {
+                frame = frame.after(compiled, i..i + 1, &q);
+                for (to, x) in to.iter_mut().zip(frame_numbers(&frame)) {
+                    x.store(&mut to[lanes..]);
+                }
+            }
+            lanes += R::WIDTH;
+        }
+        // Lanes beyond the last group repeat it as well.
+        for to in self.out.iter_mut().filter(|_| lanes < WIDEST) {
+            let last = to[lanes - 1];
+            to[lanes..].fill(last);
         }
     }
 }

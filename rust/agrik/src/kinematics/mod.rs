@@ -4,7 +4,7 @@ mod batch;
 mod fk;
 mod jacobian;
 
-pub use batch::{FRAME, moving_frames, tool_jacobians, tool_poses};
+pub use batch::{FRAME, frames_abreast, moving_frames, tool_jacobians, tool_poses};
 pub(crate) use batch::{load_rows, run_rows, unload_rows};
 pub use fk::{Frame, PerJoint, Workspace, forward, forward_frame};
 pub use jacobian::columns;

@@ -1,0 +1,138 @@
+//! Distances from a crowd of spheres, cell by cell: never more than they are.
+//!
+//! A cell holds how far it is from the nearest cell that a sphere has a part in, box to box.
+//! That is a sum over the axes, so three passes along them find it, each from so many cells to
+//! either side. A point outside of the grid is no nearer to what is in it than the point of
+//! the grid next to it.
+
+use agrik_compute::lanes::Real32;
+
+use crate::shapes::Point;
+
+/// Most cells of a grid.
+const CELLS: f64 = 131_072.0;
+/// Spheres that have parts in so many times the cells and themselves are no crowd of small ones.
+const MANY: f64 = 30.0;
+/// Cells to either side that a pass looks at.
+const WINDOW: usize = 16;
+/// Parts of the edge of a cell that distances are told in.
+const PARTS: f32 = 8.0;
+/// The square of a distance, in cells, that no pass comes to.
+const UNKNOWN: i16 = 10_000;
+/// What added to a number below 2^22 puts its whole part into the lowest bits.
+const WHOLE: f32 = 8_388_608.0;
+
+/// A grid of distances.
+#[derive(Debug, Clone)]
+pub struct Field {
+    /// Middle of the first cell, m.
+    first: [f32; 3],
+    /// Cells to a metre.
+    per_metre: f32,
+    /// The last cell along each axis.
+    last: [f32; 3],
+    /// Steps from cell to cell along each axis.
+    steps: [f32; 3],
+    /// Distances in parts of the edge of a cell.
+    parts: Vec<u8>,
+}
+
+impl Field {
+    /// Of spheres (x, y, z, radius, m), with coordinates that count from `origin`; none where
+    /// they lie in one point, or cells would not be any smaller than they are.
+    pub fn new(spheres: &[[f64; 4]], origin: Point) -> Option<Self> {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for sphere in spheres {
+            for k in 0..3 {
+                low[k] = low[k].min(sphere[k] - sphere[3]);
+                high[k] = high[k].max(sphere[k] + sphere[3]);
+            }
+        }
+        let side = [0, 1, 2].map(|k| high[k] - low[k]);
+        let longest = side[0].max(side[1]).max(side[2]);
+        if !(longest > 0.0 && longest.is_finite()) {
+            return None;
+        }
+        // A flat crowd has cells as thick as it is wide: no more than so many in a row.
+        let volume = side.iter().map(|s| s.max(longest / 64.0)).product::<f64>();
+        let edge = (volume / CELLS).cbrt();
+        let counts = side.map(|s| (s / edge).ceil().max(1.0) as usize);
+        let steps = [1, counts[0], counts[0] * counts[1]];
+        let all = (counts[0] * counts[1] * counts[2]) as f64;
+        let covered = |[.., r]: &[f64; 4]| (2.0 * r / edge + 1.0).powi(3).min(all);
+        if spheres.iter().map(covered).sum::<f64>() > MANY * (CELLS + spheres.len() as f64) {
+            return None;
+        }
+        let mut squares = vec![UNKNOWN; counts[0] * counts[1] * counts[2]];
+        let cell = |x: f64, k: usize| (((x - low[k]) / edge).max(0.0) as usize).min(counts[k] - 1);
+        for sphere in spheres {
+            // What rounding may have taken away is given back.
+            let r = sphere[3] + 1e-9 * longest;
+            let from = |k: usize| cell(sphere[k] - r, k);
+            let to = |k: usize| cell(sphere[k] + r, k);
+            for z in from(2)..=to(2) {
+                for y in from(1)..=to(1) {
+                    let row = z * steps[2] + y * steps[1];
+                    squares[row + from(0)..=row + to(0)].fill(0);
+                }
+            }
+        }
+        for k in 0..3 {
+            spread(&mut squares, counts[k], steps[k]);
+        }
+        let far = ((WINDOW - 1) * (WINDOW - 1)) as i16;
+        let parts = |square: &i16| (f32::from((*square).min(far)).sqrt() * PARTS) as u8;
+        Some(Self {
+            first: [0, 1, 2].map(|k| (low[k] + 0.5 * edge - origin[k]) as f32),
+            per_metre: (1.0 / edge) as f32,
+            last: counts.map(|count| (count - 1) as f32),
+            steps: steps.map(|step| step as f32),
+            parts: squares.iter().map(parts).collect(),
+        })
+    }
+
+    /// Lanes, a bit each, whose points may be within `reach` (m, 0 or more) of a sphere.
+    #[inline(always)]
+    pub fn maybe<R: Real32>(&self, p: &[R; 3], reach: R) -> u32 {
+        let (zero, whole) = (R::splat(0.0), R::splat(f64::from(WHOLE)));
+        let per_metre = R::splat(f64::from(self.per_metre));
+        let mut index = whole;
+        for k in 0..3 {
+            let at = (p[k] - R::splat(f64::from(self.first[k]))) * per_metre;
+            let at = at.max(zero).min(R::splat(f64::from(self.last[k])));
+            // The nearest whole number, by rounding alone.
+            let at = (at + whole) - whole;
+            index = at.mul_add(R::splat(f64::from(self.steps[k])), index);
+        }
+        // A part more for what the index was rounded by.
+        let reach = reach.mul_add(per_metre * R::splat(f64::from(PARTS)), R::splat(1.0));
+        let (mut cells, mut needed) = ([0.0_f32; 8], [0.0_f32; 8]);
+        index.store(&mut cells);
+        reach.store(&mut needed);
+        let mut near = 0;
+        for (lane, (cell, needed)) in cells.iter().zip(&needed).enumerate() {
+            let cell = (cell.to_bits() & 0x007f_ffff) as usize;
+            let is_far = self.parts.get(cell).is_some_and(|parts| f32::from(*parts) > *needed);
+            near |= u32::from(!is_far) << lane;
+        }
+        near
+    }
+}
+
+/// Takes over from neighbours along an axis what they know, and the way to them.
+fn spread(squares: &mut [i16], count: usize, step: usize) {
+    let mut before = vec![0; count * step];
+    for squares in squares.chunks_exact_mut(count * step) {
+        before.copy_from_slice(squares);
+        for away in 1..WINDOW.min(count) {
+            let (shift, more) = (away * step, ((away - 1) * (away - 1)) as i16);
+            let take = |to: &mut [i16], from: &[i16]| {
+                for (to, from) in to.iter_mut().zip(from) {
+                    *to = (*to).min(*from + more);
+                }
+            };
+            take(&mut squares[shift..], &before);
+            take(squares, &before[shift..]);
+        }
+    }
+}

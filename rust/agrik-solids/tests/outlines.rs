@@ -1,0 +1,150 @@
+//! What balls are told to be far from is far: things, crowds before and with their field.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use agrik_compute::lanes::{Kernel32, Level, Real32, dispatch_eights};
+use agrik_solids::outline::{Outline, View, balls, roundings, single_above};
+use agrik_solids::{Cuboid, Exemption, HalfSpace, Object, Point, Scene, Solid, distance};
+use common::Random;
+
+/// Lanes in which eight balls of a radius may be within reach of a scene.
+struct Ask<'a> {
+    view: &'a View<'a>,
+    points: [Point; 8],
+    radius: f64,
+}
+
+impl Kernel32 for Ask<'_> {
+    type Output = u32;
+    fn run<R: Real32>(self) -> u32 {
+        let origin = self.view.origin();
+        let lanes = |k: usize| R::load(&self.points.map(|p| (p[k] - origin[k]) as f32));
+        let p = [lanes(0), lanes(1), lanes(2)];
+        let far = |p: &Point| [0, 1, 2].map(|k| (p[k] - origin[k]).abs());
+        let away = self.points.iter().flat_map(far).fold(0.0, f64::max);
+        let more = roundings(self.view.extent() + 2.0 * away);
+        let reach = R::splat(f64::from(single_above(self.radius + more)));
+        let mut maybe = self.view.maybe_crowd(&p, reach);
+        for thing in self.view.things() {
+            let near = thing.maybe(&p, reach);
+            let outlined = thing.outline().maybe(&p, reach);
+            assert_eq!(outlined & !near, 0, "what is near a solid is near its box");
+            maybe |= outlined;
+        }
+        maybe
+    }
+}
+
+fn scenes(random: &mut Random) -> Vec<(&'static str, Scene)> {
+    let mut point = |scale: f64| [0, 1, 2].map(|_| random.between(-scale, scale));
+    let capsule = |a: Point, b: Point, r: f64| Solid::capsule(a, b, r).unwrap();
+    let mut few = Object::new("few", "thing");
+    let mut many = Object::new("many", "thing");
+    for k in 0..120 {
+        let (a, b) = (point(1.0), point(0.3));
+        let half = [0.02 + b[0].abs(), 0.02 + b[1].abs(), 0.02 + b[2].abs()];
+        let (s, c) = a[0].sin_cos();
+        let turn = [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]];
+        let solid = match k % 3 {
+            0 => Solid::sphere(a, 0.05).unwrap(),
+            1 => capsule(a, [a[0] + b[0], a[1] + b[1], a[2] + b[2]], 0.03),
+            _ => Cuboid::new(a, half, turn).unwrap().into(),
+        };
+        if k < 12 {
+            few = few.with(solid.clone());
+        }
+        many = many.with(solid);
+    }
+    few = few.with(HalfSpace::new([0.1, 0.2, 1.0], -1.1).unwrap());
+    let mut crowd = Object::new("crowd", "leaf");
+    for k in 0..900 {
+        let r = if k % 50 == 0 { 0.15 } else { 0.004 + 0.00004 * f64::from(k) };
+        crowd = crowd.with(Solid::sphere(point(0.8), r).unwrap());
+    }
+    let flat: Vec<Solid> = (0..300)
+        .map(|_| point(1.0))
+        .map(|[x, y, _]| Solid::sphere([x, y, 5000.0], 0.002).unwrap())
+        .collect();
+    let mut sheet = Object::new("sheet", "leaf");
+    sheet.solids = flat;
+    let made = |object: &Object| Scene::new(vec![object.clone()]).unwrap();
+    vec![
+        ("few", made(&few)),
+        ("many", made(&many)),
+        ("crowd", made(&crowd)),
+        ("both", Scene::new(vec![few.clone(), crowd.clone()]).unwrap()),
+        ("sheet", made(&sheet)),
+        ("nothing", Scene::new(Vec::new()).unwrap()),
+    ]
+}
+
+#[test]
+fn what_is_said_to_be_far_is_far() {
+    let mut random = Random::new(5);
+    for (name, scene) in scenes(&mut random) {
+        let (mut near, mut seen, mut far) = (0, 0, 0);
+        let height = if name == "sheet" { 5000.0 } else { 0.0 };
+        for questions in [1, 100_000] {
+            let view = scene.view(questions);
+            for _ in 0..400 {
+                let mut points = [[0.0; 3]; 8];
+                for p in &mut points {
+                    *p = [0, 1, 2].map(|_| random.between(-1.6, 1.6));
+                    p[2] += height;
+                }
+                let radius = random.between(0.0, 0.2);
+                let of = |level| dispatch_eights(level, Ask { view: &view, points, radius });
+                let maybe = of(Level::Scalar);
+                for (lane, p) in points.iter().enumerate() {
+                    let ball = Solid::sphere(*p, radius).unwrap();
+                    let hits = scene.hits(&ball, &Exemption::none(), 0.0);
+                    if hits {
+                        near += 1;
+                        for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+                            assert!(of(level) >> lane & 1 != 0, "{name}: {p:?} {radius}");
+                        }
+                    } else {
+                        seen += u32::from(maybe >> lane & 1 != 0);
+                        far += 1;
+                    }
+                }
+            }
+        }
+        assert!(name == "nothing" || near > 50, "{name}: {near}");
+        // A sieve that lets all through would be right, and of no use.
+        assert!(4 * seen < 3 * far, "{name}: {seen} of {far}");
+    }
+}
+
+#[test]
+fn balls_cover_their_solid() {
+    let mut random = Random::new(9);
+    let solids = [
+        Solid::sphere([0.1, 0.2, 0.3], 0.2).unwrap(),
+        Solid::capsule([0.0; 3], [0.5, 0.2, -0.1], 0.07).unwrap(),
+        Solid::capsule([0.0; 3], [0.0; 3], 0.07).unwrap(),
+        Solid::capsule([0.0; 3], [0.0, 0.0, 1.0], 0.0).unwrap(),
+        Cuboid::upright([0.3, 0.0, 0.0], [0.2, 0.05, 0.4]).unwrap().into(),
+        Cuboid::upright([0.3, 0.0, 0.0], [0.2, 0.0, 0.0]).unwrap().into(),
+    ];
+    for solid in &solids {
+        let balls = balls(solid);
+        let (centre, size) = solid.bounding_sphere();
+        let mut inside = 0;
+        for _ in 0..20_000 {
+            let p = centre.map(|x| x + random.between(-size, size));
+            let point = Solid::sphere(p, 0.0).unwrap();
+            if distance(&point, solid) > 0.0 {
+                continue;
+            }
+            inside += 1;
+            let covers = |[x, y, z, r]: &[f64; 4]| {
+                distance(&point, &Solid::sphere([*x, *y, *z], *r).unwrap()) <= 0.0
+            };
+            assert!(balls.iter().any(covers), "{solid:?} {p:?}");
+        }
+        assert!(inside > 100 || solid.radius() == 0.0);
+        let _ = Outline::new(solid, [0.0; 3]);
+    }
+}
