@@ -226,7 +226,7 @@ def test_angles_of_many_turns_are_no_answer_where_their_last_digit_counts(solver
     rng = np.random.default_rng(5)
     starts = q + rng.normal(scale=0.3, size=q.shape) + 2 * np.pi * rng.integers(150, 900, q.shape)
     poses = arm.fk(q)
-    tight = dict(position_tolerance=4e-9, orientation_tolerance=1e-9)
+    tight = {"position_tolerance": 4e-9, "orientation_tolerance": 1e-9}
     result = arm.ik(poses, solver=solver, q0=starts, **tight)
     off = np.linalg.norm(arm.fk(result.q)[:, :3, 3] - poses[:, :3, 3], axis=1)
     assert (off[result.success] <= 5e-9).all()

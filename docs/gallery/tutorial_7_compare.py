@@ -56,7 +56,9 @@ for name, solver in contenders.items():
 figure, axis = plt.subplots(figsize=(6.5, 3.2), layout="constrained")
 for name, (share, micros, _) in rows.items():
     axis.plot(micros, 100 * share, "o", markersize=9, label=name)
-axis.set(xscale="log", xlabel="time a pose [µs]", ylabel="reached [%]", ylim=(0, 105))
+axis.set(
+    xscale="log", xlim=(1, 1e4), ylim=(0, 105), xlabel="time a pose [µs]", ylabel="reached [%]"
+)
 axis.legend(loc="lower left", ncols=2)
 
 # %%

@@ -9,7 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import agrik_fast as ik
 from agrik_fast.errors import ArgumentError
-from agrik_fast.plots import PAGE_WIDTH, PALETTE, label, styled
+from agrik_fast.plots import PAGE_WIDTH, PALETTE, label, space, styled
 
 NAMES = ik.Robot.names()
 
@@ -70,6 +70,24 @@ def test_names_of_axes_are_in_the_picture_and_clear_of_numbers(name: str) -> Non
         box = axis.label.get_window_extent()
         assert picture.bbox.contains(*box.min) and picture.bbox.contains(*box.max)
         assert not any(box.overlaps(other) for other in shown), axis.label.get_text()
+
+
+def test_blank_axes_are_framed_and_others_stay_as_they_are() -> None:
+    arm, scene = ik.Robot.load("cucumber"), ik.collision.greenhouse(seed=1)
+    draw = [
+        lambda axes: arm.plot(arm.home, view=(10, 20), axes=axes),
+        lambda axes: scene.plot(arm, view=(10, 20), axes=axes),
+    ]
+    for each in draw:
+        _, axes = space(4, 4)
+        each(axes)
+        assert (axes.get_xlabel(), axes.elev, axes.azim) == ("x [m]", 10, 20)
+        _, axes = space(4, 4)
+        axes.plot([0, 9], [0, 9], [0, 9])
+        before = axes.elev, axes.azim
+        each(axes)
+        assert axes.get_xlabel() == "" and (axes.elev, axes.azim) == before
+        assert axes.get_xlim()[1] > 8.9
 
 
 def test_arms_are_drawn_with_labels_in_metres() -> None:

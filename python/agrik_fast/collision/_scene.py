@@ -281,7 +281,8 @@ class Scene(Queries):
         view : (float, float), default (22, -60)
             Elevation and azimuth that it is seen from, deg.
         axes : Axes3D, optional
-            Where to draw; default: a new figure as wide as a page.
+            Where to draw; default: a new figure as wide as a page. Axes that hold nothing get
+            limits, names and the view; others keep theirs.
 
         Returns
         -------

@@ -20,6 +20,7 @@ from ..plots import (
     bounds,
     checked_view,
     frame_space,
+    is_blank,
     space_or,
     styled,
 )
@@ -92,6 +93,7 @@ def plot(
         raise ArgumentError("q", shown(q), "an arm with it")
     angles = checked_view(view)
     drawing, drawn = space_or(axes, 6.5, 5.4)
+    blank = is_blank(drawn)
     draw_scene(drawn, scene.objects, kinds)
     points = [np.array(target.point)[None] for target in scene.targets.values()]
     if points:
@@ -104,7 +106,7 @@ def plot(
     if arm is not None:
         arm.plot(q, axes=drawn)
         points.append(arm.frames_of(arm.home if q is None else q)[..., :3, 3])
-    if axes is None:
+    if blank:
         full = [each for each in points if each.size] or [np.zeros((1, 3))]
         low, high = bounds(full)
         frame_space(drawn, low.tolist(), high.tolist(), angles)

@@ -5,7 +5,16 @@ Figures need the extra ``plots`` (Matplotlib). They belong to no window: save on
 """
 
 from ._outcomes import outcomes
-from ._space import add_frame, add_triangles, bounds, checked_view, frame_space, space, space_or
+from ._space import (
+    add_frame,
+    add_triangles,
+    bounds,
+    checked_view,
+    frame_space,
+    is_blank,
+    space,
+    space_or,
+)
 from ._style import (
     BAD,
     FIELD,
@@ -38,6 +47,7 @@ __all__ = [
     "checked_view",
     "figure",
     "frame_space",
+    "is_blank",
     "label",
     "outcomes",
     "space",

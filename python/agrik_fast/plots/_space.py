@@ -80,6 +80,18 @@ def space_or(axes: Any, width: float, height: float) -> tuple[Figure, Any]:
     return axes.figure, axes
 
 
+def is_blank(axes: Any) -> bool:
+    """Return whether axes in space are new, or hold nothing: then what is drawn sets their limits.
+
+    Examples
+    --------
+    >>> from agrik_fast.plots import is_blank, space
+    >>> is_blank(space(4, 4)[1])
+    True
+    """
+    return axes is None or not axes.has_data()
+
+
 def add_triangles(
     axes: Any,
     vertices: FloatArray,

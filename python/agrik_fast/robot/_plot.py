@@ -19,6 +19,7 @@ from ..plots import (
     bounds,
     checked_view,
     frame_space,
+    is_blank,
     space_or,
     styled,
 )
@@ -170,7 +171,8 @@ class Drawing:
         view : (float, float), default (22, -60)
             Elevation and azimuth that it is seen from, deg.
         axes : Axes3D, optional
-            Where to draw; default: a new figure as wide as a page.
+            Where to draw; default: a new figure as wide as a page. Axes that hold nothing get
+            limits, names and the view; others keep theirs.
 
         Returns
         -------
@@ -201,6 +203,7 @@ class Drawing:
         parts = self.surfaces(show)
         angles = checked_view(view)
         drawing, drawn = space_or(axes, 6.5, 5.2)
+        blank = is_blank(drawn)
         frames = self.frames_of(rows)
         tips = frames[:, -1, :3, 3]
         points = [tips, frames[-1][:, :3, 3]]
@@ -223,7 +226,7 @@ class Drawing:
             points.append(places)
         if len(rows) > 1 or targets is not None:
             drawn.legend(loc="upper left")
-        if axes is None:
+        if blank:
             low, high = bounds(points)
             frame_space(drawn, low.tolist(), high.tolist(), angles)
         return drawing
