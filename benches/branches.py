@@ -74,6 +74,11 @@ def cpu_us(work: Callable[[], object], count: int) -> float:
     return (time.process_time_ns() - started) / count / 1e3
 
 
+def least_us(work: Callable[[], object], count: int) -> float:
+    """Return the least of three such times, us."""
+    return min(cpu_us(work, count) for _ in range(3))
+
+
 def branches_of(arm: Robot, poses: Array, q: Array) -> Any:
     """Return all branches; of seven joints those with the usual one locked where it is."""
     locked = arm.family.locked
@@ -215,10 +220,10 @@ def _beside_eaik(name: str, given: dict[str, Any], maker: Any, count: int) -> di
     return {
         "arm": name,
         "same_sets": f"{same}/{count}",
-        "eaik_single_us": cpu_us(lambda: [peer.IK(pose) for pose in seen], count),
-        "eaik_batch_us": cpu_us(lambda: peer.IK_batched(list(seen), 1), count),
-        "single_us": cpu_us(lambda: [arm.ik_all(pose) for pose in poses], count),
-        "batch_us": min(cpu_us(lambda: arm.ik_all(poses), count) for _ in range(3)),
+        "eaik_single_us": least_us(lambda: [peer.IK(pose) for pose in seen], count),
+        "eaik_batch_us": least_us(lambda: peer.IK_batched(list(seen), 1), count),
+        "single_us": least_us(lambda: [arm.ik_all(pose) for pose in poses], count),
+        "batch_us": least_us(lambda: arm.ik_all(poses), count),
     }
 
 
@@ -239,22 +244,22 @@ def _beside_ssik(name: str, peer: Any, count: int) -> dict[str, Any]:
     arm = read_off(peer.fk)
     poses = arm.fk(np.random.default_rng(22).uniform(-np.pi, np.pi, (max(count, 1), 6)))
 
-    def their(refined: bool) -> list[Any]:
+    def their(*, refined: bool) -> list[Any]:
         wishes = {"respect_limits": False, "enumerate_windings": False}
         return [peer.solve(pose, allow_refinement=refined, **wishes) for pose in poses]
 
     many = np.repeat(poses, -(-1_000 // len(poses)), axis=0)
-    times = {refined: cpu_us(lambda r=refined: their(r), len(poses)) for refined in (False, True)}
-    ours, batch = arm.ik_all(poses), min(cpu_us(lambda: arm.ik_all(many), len(many)) for _ in "abc")
-    counts = [len(found) for found in their(True)]
+    ours, batch = arm.ik_all(poses), least_us(lambda: arm.ik_all(many), len(many))
+    rough = least_us(lambda: their(refined=False), len(poses))
+    counts = [len(found) for found in their(refined=True)]
     return {
         "arm": name,
         "same_counts": f"{int((ours.reached.sum(axis=1) == counts).sum())}/{len(poses)}",
-        "ssik_us": times[False],
-        "ssik_refined_us": times[True],
-        "single_us": cpu_us(lambda: [arm.ik_all(pose) for pose in poses], len(poses)),
+        "ssik_us": rough,
+        "ssik_refined_us": least_us(lambda: their(refined=True), len(poses)),
+        "single_us": least_us(lambda: [arm.ik_all(pose) for pose in poses], len(poses)),
         "batch_us": batch,
-        "ratio": times[False] / batch,
+        "ratio": rough / batch,
     }
 
 

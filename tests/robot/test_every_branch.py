@@ -484,6 +484,11 @@ def test_bits_do_not_depend_on_the_batch_at_straight_postures(name: str) -> None
         for what in ("q", "reached", "valid", "status", "warnings"):
             pieces = np.concatenate([getattr(part, what) for part in parts])
             assert pieces.tobytes() == getattr(whole, what).tobytes(), what
+    # A single pose has a record of its own.
+    for row in range(120):
+        one = arm.ik_all(poses[row])
+        for what in ("q", "reached", "valid", "singular", "status", "warnings", "free_joint"):
+            assert getattr(one, what).tobytes() == getattr(whole, what)[row].tobytes(), what
     for row in range(120):
         alone = arm.ik(poses[row], solver="auto", first_index=row)
         assert alone.q.tobytes() == best.q[row].tobytes()

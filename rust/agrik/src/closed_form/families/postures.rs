@@ -203,7 +203,12 @@ impl<R: Real> Candidates<R> {
         let mut q = self.q;
         if rough != 0 {
             let better = serial.approach(self.q, goal, STEPS, FINE);
-            (q, left) = (better.q, better.left);
+            // What a lane's neighbours need leaves it as it is.
+            let mask = R::mask_from_bits(rough);
+            for k in 0..6 {
+                q[k] = R::select(mask, better.q[k], q[k]);
+            }
+            left = R::select(mask, better.left, left);
         }
         let near = near & R::bits(left.le(R::splat(NEAR * NEAR)));
         let one = sets.len() == 1;

@@ -220,6 +220,8 @@ pub fn lanes<R: Real>() -> u32 {
 
 /// The solution of six equations in six unknowns, columns given; by mirrors.
 #[inline(always)]
+// The last of written out loops have nothing to go through.
+#[allow(clippy::reversed_empty_ranges)]
 fn solve<R: Real>(mut columns: [[R; 6]; 6], mut right: [R; 6]) -> [R; 6] {
     unrolled!(K in [0 1 2 3 4 5] {
         let normal = mirror::<R, 6, K>(&mut columns[K]);

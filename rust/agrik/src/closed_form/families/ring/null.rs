@@ -35,6 +35,8 @@ const ROUGH: f64 = 8.0;
 impl<R: Real> Factors<R> {
     /// Factors of the matrix with the equations' columns at a value of the hidden angle.
     #[inline(always)]
+    // The last of written out loops have nothing to go through.
+    #[allow(clippy::reversed_empty_ranges)]
     pub fn new(below: &Columns<R>) -> Self {
         let mut above = *below;
         let mut triangle = [[R::zero(); SIZE]; SIZE];
@@ -103,6 +105,7 @@ impl<R: Real> Factors<R> {
 
     /// Back substitution. The last three columns have nothing in the first three rows.
     #[inline(always)]
+    #[allow(clippy::reversed_empty_ranges)]
     fn up(&self, x: &mut Products<R>) {
         unrolled!(K in [11 10 9 8 7 6 5 4 3 2 1 0] {
             x[K] *= self.inverse[K];
@@ -115,6 +118,7 @@ impl<R: Real> Factors<R> {
     /// Back substitution with the transposed triangle: what is known goes to all others at once,
     /// which then do not wait for one another.
     #[inline(always)]
+    #[allow(clippy::reversed_empty_ranges)]
     fn down(&self, x: &mut Products<R>) {
         unrolled!(I in [0 1 2 3 4 5 6 7 8 9 10 11] {
             x[I] *= self.inverse[I];
