@@ -202,6 +202,12 @@ impl Scene {
         self.phase.view(questions)
     }
 
+    /// True where all within `radius` (m) of a point is sure to be farther than is to be kept from
+    /// every object; see [`Scene::hits`]. Where it is not, nothing is said.
+    pub fn is_far(&self, centre: Point, radius: f64, clear: f64) -> bool {
+        self.phase.is_far(centre, radius + clear.max(self.clearance))
+    }
+
     /// The largest clearance that an object asks for, m.
     pub fn largest_clearance(&self) -> f64 {
         self.clearance

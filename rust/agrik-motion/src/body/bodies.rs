@@ -220,6 +220,10 @@ pub(crate) fn check_postures(chain: &Chain, q: &[f64]) -> Result<()> {
         _ => TURNED,
     };
     let limits: Vec<f64> = chain.variables().iter().map(|v| most(v.kind)).collect();
+    let within = |row: &[f64]| row.iter().zip(&limits).all(|(x, most)| x.abs() <= *most);
+    if q.chunks_exact(dof).all(within) {
+        return Ok(());
+    }
     let beyond = |(i, x): (usize, &f64)| !(-limits[i % dof]..=limits[i % dof]).contains(x);
     match q.iter().enumerate().position(beyond) {
         None => Ok(()),

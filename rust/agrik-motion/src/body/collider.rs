@@ -162,6 +162,12 @@ impl Collider {
 
     /// True where one body is `clear` (m) or less away from an object that it minds.
     pub fn body_hits(&self, placed: &Placed, body: usize, clear: f64) -> bool {
+        let (centre, radius) = placed.sphere(body);
+        // The spheres of a cover stick out of the one round the box.
+        let exact = matches!(self.bodies.bodies()[body].shape, Shape::Exact(_));
+        if exact && self.scene.is_far(centre, radius, clear) {
+            return false;
+        }
         self.solid_hits(body, &placed.solids()[body], self.exemption(placed, body), clear)
     }
 

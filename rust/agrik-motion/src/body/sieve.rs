@@ -47,10 +47,9 @@ struct Outlined {
 pub(crate) struct Sifted {
     /// The frames of [`agrik::kinematics::frames_abreast`].
     pub frames: Vec<[f64; WIDEST]>,
-    /// Lanes, a bit each, in which a body may be too near to an object.
-    pub bodies: Vec<u32>,
-    /// The same of pairs of bodies.
-    pub pairs: Vec<u32>,
+    /// What may be too near to something, and in which lanes, a bit each: bodies that are asked,
+    /// by their place, and behind them pairs.
+    pub maybe: Vec<(usize, u32)>,
     singles: Vec<Eight>,
     centres: Vec<[Eight; 3]>,
     near: Vec<u32>,
@@ -87,6 +86,14 @@ pub(crate) struct Question<'a> {
     pub way: Option<Bends<'a>>,
 }
 
+impl Question<'_> {
+    /// What is to be kept from an object, m.
+    #[inline(always)]
+    fn keep(&self, label: usize) -> f64 {
+        self.objects[label].clearance.max(self.clear)
+    }
+}
+
 impl Sifted {
     /// Of an arm with so many moving joints.
     pub fn new(links: usize) -> Self {
@@ -109,8 +116,7 @@ impl Sieve {
     /// about is not told.
     pub fn sift(&self, level: Level, question: &Question<'_>, room: &mut Sifted) {
         let Some(frames) = room.frames.len().checked_div(FRAME) else { return };
-        room.bodies.resize(self.bodies.len(), 0);
-        room.pairs.resize(question.pairs.len(), 0);
+        room.maybe.clear();
         room.centres.resize(self.bodies.len(), [[0.0; WIDEST]; 3]);
         room.singles.resize((frames + 1) * FRAME, [0.0; WIDEST]);
         dispatch_eights(level, Sifting { sieve: self, question, room });
@@ -238,6 +244,15 @@ fn spread<R: Real32>(p: &[R; 3]) -> R {
     most.sqrt() * R::splat(0.5)
 }
 
+/// How far a ball reaches from the places of its middle, m.
+#[inline(always)]
+fn reach_round<R: Real32>(p: &[R; 3], radius: f32, bend: Option<f32>) -> R {
+    match bend {
+        Some(bend) => one::<R>(radius) + (spread(p) + one(bend)),
+        None => one(radius),
+    }
+}
+
 impl Kernel32 for Sifting<'_> {
     type Output = ();
 
@@ -253,13 +268,19 @@ impl Kernel32 for Sifting<'_> {
                 at.store(to);
             }
         }
-        for body in question.asked {
+        for (place, body) in question.asked.iter().enumerate() {
             let bend = question.way.map(|way| way.bodies[*body]);
-            room.bodies[*body] = objects::<R>(sieve, question, room, *body, more, bend);
+            let lanes = objects::<R>(sieve, question, room, *body, more, bend);
+            if lanes != 0 {
+                room.maybe.push((place, lanes));
+            }
         }
         for (index, pair) in question.pairs.iter().enumerate() {
             let way = question.way.map(|way| (way.moves[index], way.pairs[index]));
-            room.pairs[index] = pairs::<R>(sieve, question, room, *pair, more, way);
+            let lanes = pairs::<R>(sieve, question, room, *pair, more, way);
+            if lanes != 0 {
+                room.maybe.push((question.asked.len() + index, lanes));
+            }
         }
     }
 }
@@ -302,24 +323,16 @@ fn objects<R: Real32>(
     let (body, view) = (&sieve.bodies[index], &question.view);
     let exempt = &question.exempt[index];
     let things = view.things();
-    let reach_of = |p: &[R; 3], radius: f32| {
-        let reach = one::<R>(radius) + one(more);
-        match bend {
-            Some(bend) => reach + (spread(p) + one(bend)),
-            None => reach,
-        }
-    };
-    let keep = |label: usize| R::splat(question.objects[label].clearance.max(question.clear));
     let most = R::splat(question.most);
     let centre = load::<R>(&room.centres[index]);
-    let reach = reach_of(&centre, body.ball[3]);
+    let reach = reach_round(&centre, body.ball[3] + more, bend);
     room.near.clear();
     let mut maybe = 0;
     for (place, thing) in things.iter().enumerate() {
         if exempt.contains(thing.label()) {
             continue;
         }
-        let lanes = thing.maybe(&centre, reach + keep(thing.label()));
+        let lanes = thing.maybe(&centre, reach + R::splat(question.keep(thing.label())));
         if lanes != 0 {
             room.near.push(place as u32);
             maybe |= lanes;
@@ -334,10 +347,10 @@ fn objects<R: Real32>(
     let mut left = 0;
     for ball in &body.balls {
         let centre = frame.place(ball);
-        let reach = reach_of(&centre, ball[3]);
+        let reach = reach_round(&centre, ball[3] + more, bend);
         for place in &room.near {
             let thing = &things[*place as usize];
-            left |= thing.outline().maybe(&centre, reach + keep(thing.label()));
+            left |= thing.outline().maybe(&centre, reach + R::splat(question.keep(thing.label())));
         }
         if crowd & !left != 0 {
             left |= view.maybe_crowd(&centre, reach + most);
@@ -377,10 +390,7 @@ fn pairs<R: Real32>(
     let mut left = 0;
     for ball in &b.balls {
         let p = frame.inner(&of.place(ball));
-        let mut reach = one::<R>(ball[3]) + own;
-        if let Some((_, bend)) = way {
-            reach = reach + (spread(&p) + one(bend));
-        }
+        let reach = reach_round(&p, ball[3], way.map(|way| way.1)) + own;
         left |= a.outline.maybe(&p, reach);
         if maybe & !left == 0 {
             return maybe;

@@ -1,7 +1,7 @@
 //! Hits of up to eight postures together: a sieve first, then doubles for what it lets through.
 
 use agrik::kinematics::{FRAME, frames_abreast};
-use agrik_compute::lanes::{Lanes, Level, WIDEST};
+use agrik_compute::lanes::{Lanes, Level};
 use agrik_solids::{Point, Pose, Solid, within};
 
 use super::collider::Collider;
@@ -69,25 +69,20 @@ impl Collider {
         lane: usize,
         (clear, own): (f64, f64),
     ) -> Option<usize> {
-        let maybe = |lanes: &u32| lanes >> lane & 1 != 0;
-        let tool = || tool(self, room, lane);
-        let body_hits = |body: &&usize| {
-            maybe(&room.bodies[**body]) && {
-                let solid = placed(self, room, lane, **body);
-                self.solid_hits(**body, &solid, self.exemption_with(tool, **body), clear)
-            }
-        };
-        let pair_hits = |((i, j), lanes): (&(usize, usize), &u32)| {
-            maybe(lanes) && {
-                let (a, b) = (placed(self, room, lane, *i), placed(self, room, lane, *j));
-                within(&a, &b, own)
-            }
-        };
         let asked = self.asked();
-        asked.iter().position(|body| body_hits(&body)).or_else(|| {
-            let pairs = self.bodies().self_pairs().iter().zip(&room.pairs);
-            pairs.map(pair_hits).position(|hits| hits).map(|pair| asked.len() + pair)
-        })
+        let hits = |place: usize| match asked.get(place) {
+            Some(body) => {
+                let solid = placed(self, room, lane, *body);
+                let exempt = self.exemption_with(|| tool(self, room, lane), *body);
+                self.solid_hits(*body, &solid, exempt, clear)
+            }
+            None => {
+                let (i, j) = self.bodies().self_pairs()[place - asked.len()];
+                within(&placed(self, room, lane, i), &placed(self, room, lane, j), own)
+            }
+        };
+        let in_lane = room.maybe.iter().filter(|(_, lanes)| lanes >> lane & 1 != 0);
+        in_lane.map(|(place, _)| *place).find(|place| hits(*place))
     }
 }
 

@@ -62,11 +62,8 @@ impl Certifier<'_> {
         // What is told to be kept holds for pairs as well.
         let told = (keep.0, keep.0.max(keep.1));
         collider.sift(&mut glance.sifted, told, &glance.pairs, 1, Some(way));
-        let sifted = &glance.sifted;
-        let of_bodies = collider.asked().iter().map(|body| sifted.bodies[*body]);
-        let open = of_bodies.chain(sifted.pairs.iter().copied()).enumerate();
         self.left.clear();
-        self.left.extend(open.filter(|(_, lanes)| *lanes != 0).map(|(mover, _)| mover));
+        self.left.extend(glance.sifted.maybe.iter().map(|(mover, _)| *mover));
         if self.left.is_empty() {
             return None;
         }

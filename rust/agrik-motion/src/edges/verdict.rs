@@ -20,7 +20,8 @@ pub struct Keep {
     pub cap: f64,
     /// A piece of the way on which a body moves no farther than this is not cut again, m.
     pub tolerance: f64,
-    /// Most questions, one a body or a pair of bodies at one posture.
+    /// Most questions, one a body or a pair of bodies at one posture; a glance at a whole way
+    /// counts as one of each.
     pub max_checks: u32,
 }
 

@@ -136,6 +136,11 @@ impl BroadPhase {
         self.surroundings.view(questions, |leaf| self.spheres[leaf as usize])
     }
 
+    /// True where a ball is sure to be farther than `reach` (m) from everything.
+    pub fn is_far(&self, centre: [f64; 3], reach: f64) -> bool {
+        self.surroundings.is_far(centre, reach)
+    }
+
     /// The nearest solid that is `cap` (m) or less away, or none. Of several at the same
     /// distance it is one with the lowest label.
     pub fn nearest(&self, asking: Asking<'_>, exempt: &Exempt, cap: f64) -> Option<Found> {

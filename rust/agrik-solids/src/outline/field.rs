@@ -2,8 +2,8 @@
 //!
 //! A cell holds how far it is from the nearest cell that a sphere has a part in, box to box.
 //! That is a sum over the axes, so three passes along them find it, each from so many cells to
-//! either side. A point outside of the grid is no nearer to what is in it than the point of
-//! the grid next to it.
+//! either side. What is in the grid is seen from a point outside of it at no less than a right
+//! angle from the way to the point of the grid next to it: so squares of both ways add up.
 
 use agrik_compute::lanes::Real32;
 
@@ -11,10 +11,12 @@ use crate::shapes::Point;
 
 /// Most cells of a grid.
 const CELLS: f64 = 131_072.0;
+/// Most cells in a row.
+const ROW: f64 = 64.0;
 /// Spheres that have parts in so many times the cells and themselves are no crowd of small ones.
 const MANY: f64 = 30.0;
 /// Cells to either side that a pass looks at.
-const WINDOW: usize = 16;
+const WINDOW: usize = 24;
 /// Parts of the edge of a cell that distances are told in.
 const PARTS: f32 = 8.0;
 /// The square of a distance, in cells, that no pass comes to.
@@ -53,9 +55,8 @@ impl Field {
         if !(longest > 0.0 && longest.is_finite()) {
             return None;
         }
-        // A flat crowd has cells as thick as it is wide: no more than so many in a row.
-        let volume = side.iter().map(|s| s.max(longest / 64.0)).product::<f64>();
-        let edge = (volume / CELLS).cbrt();
+        // No more cells in a row than are of use: nothing is told beyond the window.
+        let edge = (side.iter().product::<f64>() / CELLS).cbrt().max(longest / ROW);
         let counts = side.map(|s| (s / edge).ceil().max(1.0) as usize);
         let steps = [1, counts[0], counts[0] * counts[1]];
         let all = (counts[0] * counts[1] * counts[2]) as f64;
@@ -94,28 +95,53 @@ impl Field {
     /// Lanes, a bit each, whose points may be within `reach` (m, 0 or more) of a sphere.
     #[inline(always)]
     pub fn maybe<R: Real32>(&self, p: &[R; 3], reach: R) -> u32 {
-        let (zero, whole) = (R::splat(0.0), R::splat(f64::from(WHOLE)));
-        let per_metre = R::splat(f64::from(self.per_metre));
-        let mut index = whole;
+        let (zero, half) = (R::splat(0.0), R::splat(0.5));
+        let (per_metre, whole) = (R::splat(f64::from(self.per_metre)), R::splat(f64::from(WHOLE)));
+        let (mut index, mut outside) = (whole, zero);
         for k in 0..3 {
+            let last = R::splat(f64::from(self.last[k]));
             let at = (p[k] - R::splat(f64::from(self.first[k]))) * per_metre;
-            let at = at.max(zero).min(R::splat(f64::from(self.last[k])));
+            let middle = last * half;
+            let over = ((at - middle).abs() - (middle + half)).max(zero);
+            outside = over.mul_add(over, outside);
             // The nearest whole number, by rounding alone.
-            let at = (at + whole) - whole;
+            let at = (at.max(zero).min(last) + whole) - whole;
             index = at.mul_add(R::splat(f64::from(self.steps[k])), index);
         }
+        let reach = reach * per_metre;
+        let left = reach * reach - outside;
+        let near = R::bits(zero.le(left));
+        if near == 0 {
+            return 0;
+        }
         // A part more for what the index was rounded by.
-        let reach = reach.mul_add(per_metre * R::splat(f64::from(PARTS)), R::splat(1.0));
-        let (mut cells, mut needed) = ([0.0_f32; 8], [0.0_f32; 8]);
+        let needed = left.max(zero).sqrt().mul_add(R::splat(f64::from(PARTS)), R::splat(1.0));
+        let (mut cells, mut parts) = ([0.0_f32; 8], [0.0_f32; 8]);
         index.store(&mut cells);
-        reach.store(&mut needed);
-        let mut near = 0;
-        for (lane, (cell, needed)) in cells.iter().zip(&needed).enumerate() {
+        needed.store(&mut parts);
+        let mut within = 0;
+        for (lane, (cell, needed)) in cells.iter().zip(&parts).enumerate() {
             let cell = (cell.to_bits() & 0x007f_ffff) as usize;
             let is_far = self.parts.get(cell).is_some_and(|parts| f32::from(*parts) > *needed);
-            near |= u32::from(!is_far) << lane;
+            within |= u32::from(!is_far) << lane;
         }
-        near
+        near & within
+    }
+
+    /// The same of one point, m from the origin of coordinates.
+    pub fn maybe_one(&self, p: [f32; 3], reach: f32) -> bool {
+        let (mut index, mut outside) = (0, 0.0);
+        for k in 0..3 {
+            let at = (p[k] - self.first[k]) * self.per_metre;
+            let middle = 0.5 * self.last[k];
+            let over = ((at - middle).abs() - (middle + 0.5)).max(0.0);
+            outside += over * over;
+            index += (at.clamp(0.0, self.last[k]) + 0.5) as usize * self.steps[k] as usize;
+        }
+        let reach = reach * self.per_metre;
+        let left = reach * reach - outside;
+        let needed = left.max(0.0).sqrt() * PARTS + 1.0;
+        left >= 0.0 && !self.parts.get(index).is_some_and(|parts| f32::from(*parts) > needed)
     }
 }
 

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use agrik_compute::lanes::{Real32, dot, sub};
 
-use super::{Field, Outline, single_above, splat};
-use crate::distance::point_cuboid;
+use super::{Field, Outline, roundings, single_above, singles, splat};
+use crate::distance::{norm, point_cuboid};
 use crate::shapes::{Core, Cuboid, Point, Solid};
 use crate::sphere_tree::SphereTree;
 
@@ -19,7 +19,7 @@ const SOME: usize = 64;
 const LARGE: f64 = 0.1;
 
 /// After so many questions, of eight lanes each, a field is worth its making.
-const WORTH: usize = 256;
+const WORTH: usize = 800;
 
 /// One solid, in a box along the axes of the frame.
 #[derive(Debug, Clone)]
@@ -77,7 +77,16 @@ pub struct Surroundings {
     origin: Point,
     extent: f64,
     things: Vec<Thing>,
+    /// The boxes round them, eight at a time.
+    boxes: Vec<Boxes>,
     crowd: Option<Crowd>,
+}
+
+/// Eight boxes along the axes, by their middles and half lengths, m.
+#[derive(Debug, Clone, Copy)]
+struct Boxes {
+    centre: [[f32; 8]; 3],
+    half: [[f32; 8]; 3],
 }
 
 /// Spheres that are too many to be looked at one by one.
@@ -148,7 +157,19 @@ impl Surroundings {
             asked: AtomicUsize::new(0),
             field: OnceLock::new(),
         });
-        Self { origin, extent, things, crowd }
+        let boxes = things.chunks(8).map(Boxes::new).collect();
+        Self { origin, extent, things, boxes, crowd }
+    }
+
+    /// True where a ball is sure to be farther than `reach` (m) from everything: known where
+    /// there is a crowd with its field, as the tree is quick enough for a few things.
+    pub(crate) fn is_far(&self, centre: Point, reach: f64) -> bool {
+        let field = self.crowd.as_ref().and_then(|crowd| crowd.field.get());
+        let Some(Some(field)) = field else { return false };
+        let p = sub(centre, self.origin);
+        let more = roundings(self.extent + norm(p));
+        let (p, reach) = (singles(p), single_above(reach + more));
+        !field.maybe_one(p, reach) && self.boxes.iter().all(|boxes| boxes.are_far(p, reach))
     }
 
     /// What there is to be looked at by `questions` more of eight lanes each. `sphere` gives
@@ -174,6 +195,34 @@ impl Surroundings {
             }
         };
         View { all: self, crowd }
+    }
+}
+
+impl Boxes {
+    /// Those of up to eight things.
+    fn new(things: &[Thing]) -> Self {
+        // Lanes without a thing are far from everything, and their squares numbers.
+        let mut made = Self { centre: [[1e18; 8]; 3], half: [[0.0; 8]; 3] };
+        for (lane, thing) in things.iter().enumerate() {
+            for k in 0..3 {
+                made.centre[k][lane] = thing.centre[k];
+                made.half[k][lane] = thing.half[k];
+            }
+        }
+        made
+    }
+
+    fn are_far(&self, p: [f32; 3], reach: f32) -> bool {
+        let mut squares = [0.0_f32; 8];
+        for k in 0..3 {
+            for (lane, square) in squares.iter_mut().enumerate() {
+                let over = (p[k] - self.centre[k][lane]).abs() - self.half[k][lane];
+                let over = if over > 0.0 { over } else { 0.0 };
+                *square += over * over;
+            }
+        }
+        let reach = reach * reach;
+        !squares.iter().fold(false, |near, square| near | (*square <= reach))
     }
 }
 
