@@ -123,6 +123,23 @@ def _triples(count: int) -> NDArray[np.intp]:
     return np.asarray((places % 1.0 * count).astype(np.intp))
 
 
+def cones_of_triples(
+    rays: FloatArray, triples: NDArray[np.intp], narrowest: float, widest: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the axes and half angles of the cones through three rays each, where there is one."""
+    p, q, r = (rays[index] for index in triples.T)
+    # Cramer's rule for the three equations of every triple.
+    normal = np.cross(p, q) + np.cross(q, r) + np.cross(r, p)
+    volume = np.einsum("ij,ij->i", p, np.cross(q, r))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        w = normal / volume[:, None]
+        length = np.sqrt(np.einsum("ij,ij->i", w, w))
+        alpha = np.arccos(1 / length)
+        sound = (length > _SMALLEST) & (length < _LARGEST)
+        sound &= (alpha >= narrowest) & (alpha <= widest)
+    return w[sound] / length[sound][:, None], alpha[sound]
+
+
 def best_cone(
     rays: FloatArray, tolerance: float, narrowest: float = 0.0, widest: float = math.inf
 ) -> tuple[Cone, NDArray[np.bool_]] | None:
@@ -142,19 +159,9 @@ def best_cone(
     few = rays
     if len(rays) > MOST_POINTS:
         few = rays[np.linspace(0, len(rays) - 1, MOST_POINTS).astype(np.intp)]
-    p, q, r = (few[index] for index in _triples(len(few)).T)
-    # Cramer's rule for the three equations of every triple.
-    normal = np.cross(p, q) + np.cross(q, r) + np.cross(r, p)
-    volume = np.einsum("ij,ij->i", p, np.cross(q, r))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        w = normal / volume[:, None]
-        length = np.sqrt(np.einsum("ij,ij->i", w, w))
-        alpha = np.arccos(1 / length)
-        sound = (length > _SMALLEST) & (length < _LARGEST)
-        sound &= (alpha >= narrowest) & (alpha <= widest)
-    if not sound.any():
+    axes, alpha = cones_of_triples(few, _triples(len(few)), narrowest, widest)
+    if not len(alpha):
         return None
-    axes, alpha = w[sound] / length[sound][:, None], alpha[sound]
     off = np.abs(np.arccos(np.clip(axes @ few.T, -1, 1)) - alpha[:, None])
     best = int((off < tolerance).sum(axis=1).argmax())
     cone = Cone(axes[best], float(alpha[best]))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from .._checks import FloatArray, finite_array, real_number, shown
 from ..errors import ArgumentError
 from ._camera import Camera
+from ._cluster import Outline, spheres_of
 from ._cone import Cone, best_cone
 from ._cv import opencv
 from ._images import Image, checked_image, of_kind, same_size
@@ -26,10 +27,12 @@ _SATURATION, _VALUE = 90, 15
 
 _AREA = 60
 _MOST_BLOBS = 8
-_MOST_IN_BLOB = 6
 _LEFT_OVER = 0.1
 _ON_CONE_PX = 1.3
+_ON_ELLIPSE_PX = 1.5
 _TAKEN_PX = 3.0
+# Pixels of outline before and after a point that tell its direction, at a width of 320.
+_TANGENT = 3
 _SECTORS = 36
 _BORDER_PX = 2
 # Half axes of an outline that counts as an ellipse, and by how much its fit has to be better.
@@ -344,61 +347,44 @@ class Detector:
         limit = np.array([camera.width, camera.height]) - 1 - _BORDER_PX
         inside = ((outline >= _BORDER_PX) & (outline <= limit)).all(axis=1)
         edge = not bool(inside.all())
-        pixels = outline[inside].astype(np.float64)
-        if len(pixels) < 6:
+        if inside.sum() < 6:
             return []
-        rays = camera.rays(pixels)
-        found, sure, again = self._peeled(mask, rays, np.ones(len(rays), bool), solidity, edge)
-        if again:
-            # A cone drawn over two fruits takes a piece of each and leaves too little of them to
-            # be found. Where sure fruits were found after it, what it took is looked at again.
-            more, _, _ = self._peeled(mask, rays, ~sure, 0.0, edge)
-            found += [each for each in more if each.status != DetectionStatus.WEAK]
-        return found
-
-    def _peeled(
-        self,
-        mask: NDArray[np.uint8],
-        rays: FloatArray,
-        left: NDArray[np.bool_],
-        solidity: float,
-        edge: bool,
-    ) -> tuple[list[Detection], NDArray[np.bool_], bool]:
-        """Return the fruits of those rays that are left, one after another.
-
-        And which rays are on one that is not weak, and whether one that is weak came before it.
-        """
-        camera = self.camera
+        whole = self._outline(outline.astype(np.float64))
+        seen = whole.of(np.nonzero(inside)[0])
+        rays = seen.rays
+        tolerance, narrowest = _ON_CONE_PX / camera.focal, self.narrowest * 0.98
+        best = best_cone(rays, tolerance, narrowest, self.widest)
+        if best is None:
+            return []
+        cone, on = best
+        cones = [cone]
+        over = np.abs(cone.off(rays)) >= _TAKEN_PX / camera.focal
+        if over.sum() >= max(_LEFT_OVER * len(rays), 6):
+            cones = spheres_of(seen, camera.focal, tolerance, narrowest, self.widest) or cones
+        if solidity >= 0.96 and not edge:
+            spheroid = self._spheroid(mask, rays, cone, float(on.mean()), cones)
+            if spheroid is not None:
+                return [spheroid]
         found: list[Detection] = []
-        sure = ~left
-        doubtful = again = False
-        for _ in range(_MOST_IN_BLOB):
-            count = int(left.sum())
-            if count < max(_LEFT_OVER * len(rays), 6):
-                break
-            tolerance = _ON_CONE_PX / camera.focal
-            best = best_cone(rays[left], tolerance, self.narrowest * 0.98, self.widest)
-            if best is None:
-                break
-            cone, on = best
-            share = float(on.sum()) / count
-            detection = None
-            if not found and solidity >= 0.96 and not edge:
-                detection = self._spheroid(mask, rays, cone, share)
-            if detection is None:
-                detection = self._detection("sphere", mask, cone, rays, share, edge)
+        left = np.ones(len(rays), bool)
+        for cone in cones:
+            off = np.abs(cone.off(rays))
+            share = float((off[left] < tolerance).sum()) / max(int(left.sum()), 1)
+            detection = self._detection("sphere", mask, cone, rays, share, edge)
             if detection is not None:
                 found.append(detection)
-            if detection is not None and detection.kind == "spheroid":
-                break
-            taken = np.abs(cone.off(rays)) < _TAKEN_PX / camera.focal
-            left = left & ~taken
-            if detection is None or detection.status == DetectionStatus.WEAK:
-                doubtful = True
-            else:
-                sure = sure | taken
-                again = doubtful
-        return found, sure, again
+            left &= off >= _TAKEN_PX / camera.focal
+        return found
+
+    def _outline(self, pixels: FloatArray) -> Outline:
+        """Return the rays of a closed outline's pixels, and which way is out."""
+        rays = self.camera.rays(pixels)
+        step = max(round(_TANGENT * self.camera.width / 320), 1)
+        out = np.cross(np.roll(rays, -step, axis=0) - np.roll(rays, step, axis=0), rays)
+        u, v = pixels.T
+        turned = float(np.sum(u * np.roll(v, -1) - v * np.roll(u, -1)))
+        out *= math.copysign(1.0, turned) / np.maximum(np.linalg.norm(out, axis=1), 1e-12)[:, None]
+        return Outline(rays, out)
 
     def _detection(
         self,
@@ -501,11 +487,17 @@ class Detector:
         return not bool(((uv > 1) & (uv < size - 2)).all())
 
     def _spheroid(
-        self, mask: NDArray[np.uint8], rays: FloatArray, cone: Cone, share: float
+        self,
+        mask: NDArray[np.uint8],
+        rays: FloatArray,
+        cone: Cone,
+        share: float,
+        cones: list[Cone],
     ) -> Detection | None:
         """Return an ellipse on the plane that touches the axis, where it fits much better.
 
-        The longer half axis of an oblate fruit's outline is its equatorial radius from every side.
+        Not where two spheres tell more of the outline than it does. The longer half axis of an
+        oblate fruit's outline is its equatorial radius from every side.
         """
         cv2 = opencv()
         focal = self.camera.focal
@@ -519,7 +511,7 @@ class Detector:
             middle, sizes, degrees = cv2.fitEllipseDirect(flat[on].astype(np.float32))
             if not (np.isfinite([*middle, *sizes, degrees]).all() and min(sizes) > 0):
                 return None
-            on = np.abs(_off_ellipse(flat, middle, sizes, degrees)) < 1.5
+            on = np.abs(_off_ellipse(flat, middle, sizes, degrees)) < _ON_ELLIPSE_PX
         long, short = max(sizes) / 2, min(sizes) / 2
         off = _off_ellipse(flat, middle, sizes, degrees)
         fit = float(on.mean())
@@ -529,6 +521,10 @@ class Detector:
         better = fit > 0.9 and float(np.sqrt(np.mean(off**2))) < _BETTER * rough
         if not ((more or better) and _ROUND <= long / short <= _LONGEST):
             return None
+        if len(cones) > 1:
+            told = np.min([np.abs(each.off(rays)) for each in cones], axis=0)
+            if float((told < _ON_ELLIPSE_PX / focal).mean()) > fit:
+                return None
         axis = cone.axis + (middle[0] * first + middle[1] * second) / focal
         axis /= np.linalg.norm(axis)
         found = Cone(axis, math.atan(long / focal))
