@@ -90,8 +90,10 @@ def frame_of(argument: str, value: ArrayLike) -> FloatArray:
     What else is no rigid transform is refused where it is used.
     """
     given = float_array(argument, value)
-    if given.shape != (3,):
+    if given.shape == (4, 4):
         return given
+    if given.shape != (3,):
+        raise ArgumentError(argument, f"shape {given.shape}", "shape (4, 4) or (3,)")
     matrix = np.eye(4)
     matrix[:3, 3] = given
     return matrix
