@@ -63,13 +63,7 @@ impl<'a> Free<'a> {
 
 impl Accept for Free<'_> {
     fn accepts(&self, q: &[f64]) -> Lanes {
-        let dof = self.collider.bodies().chain().dof();
-        if q.len() == dof {
-            // Lanes do not pay for one; many of them are worth a field of the scene.
-            self.collider.scene().view(1);
-            return Lanes::from(!self.at(q, |placed| self.collider.hits(placed, self.clear)));
-        }
-        let eight = WIDEST * dof;
+        let eight = WIDEST * self.collider.bodies().chain().dof();
         let mut room = taken(&self.sifted).unwrap_or_else(|| self.collider.sifted());
         let mut accepted = 0;
         for (group, q) in q.chunks(eight).enumerate() {

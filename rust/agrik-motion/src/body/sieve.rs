@@ -39,6 +39,8 @@ struct Outlined {
     ball: [f32; 4],
     /// Those that cover it.
     balls: Vec<[f32; 4]>,
+    /// The same, eight at a time; the last ones again where they are fewer.
+    eights: Vec<[Eight; 4]>,
     outline: Outline,
 }
 
@@ -84,6 +86,8 @@ pub(crate) struct Question<'a> {
     /// The same for pairs, m.
     pub own: f64,
     pub way: Option<Bends<'a>>,
+    /// All lanes hold the same posture, which is told of the first alone.
+    pub alone: bool,
 }
 
 impl Question<'_> {
@@ -151,10 +155,15 @@ impl Outlined {
                 .collect();
         }
         let ball = |[x, y, z, r]: [f64; 4]| [x as f32, y as f32, z as f32, single_above(r)];
+        let balls: Vec<[f32; 4]> = covering.into_iter().map(ball).collect();
+        let eight = |some: &[[f32; 4]]| {
+            [0, 1, 2, 3].map(|k| std::array::from_fn(|lane| some[lane.min(some.len() - 1)][k]))
+        };
         Self {
             link: mount.link,
             ball: ball([x, y, z, radius]),
-            balls: covering.into_iter().map(ball).collect(),
+            eights: balls.chunks(WIDEST).map(eight).collect(),
+            balls,
             outline: Outline::new(solid, [0.0; 3]),
         }
     }
@@ -185,7 +194,12 @@ impl<R: Real32> Frame<R> {
     /// Where the middle of a ball is.
     #[inline(always)]
     fn place(&self, [x, y, z, _]: &[f32; 4]) -> [R; 3] {
-        let (x, y, z) = (one::<R>(*x), one::<R>(*y), one::<R>(*z));
+        self.point([one(*x), one(*y), one(*z)])
+    }
+
+    /// Where points of the frame are.
+    #[inline(always)]
+    fn point(&self, [x, y, z]: [R; 3]) -> [R; 3] {
         let m = &self.m;
         [
             m[0].mul_add(x, m[1].mul_add(y, m[2].mul_add(z, m[9]))),
@@ -270,7 +284,11 @@ impl Kernel32 for Sifting<'_> {
         }
         for (place, body) in question.asked.iter().enumerate() {
             let bend = question.way.map(|way| way.bodies[*body]);
-            let lanes = objects::<R>(sieve, question, room, *body, more, bend);
+            let lanes = if question.alone {
+                u32::from(objects_alone::<R>(sieve, question, room, *body, more))
+            } else {
+                objects::<R>(sieve, question, room, *body, more, bend)
+            };
             if lanes != 0 {
                 room.maybe.push((place, lanes));
             }
@@ -362,6 +380,50 @@ fn objects<R: Real32>(
     maybe & left
 }
 
+/// A body may be too near to an object, in a posture that is in all lanes: they take things
+/// then, and balls.
+#[inline(always)]
+fn objects_alone<R: Real32>(
+    sieve: &Sieve,
+    question: &Question<'_>,
+    room: &mut Sifted,
+    index: usize,
+    more: f32,
+) -> bool {
+    let (body, view) = (&sieve.bodies[index], &question.view);
+    let (exempt, things) = (&question.exempt[index], view.things());
+    let most = R::splat(question.most);
+    let centre = load::<R>(&room.centres[index]);
+    let reach = one::<R>(body.ball[3] + more) + most;
+    let near = &mut room.near;
+    near.clear();
+    view.each_near(&centre, reach, |place| {
+        if !exempt.contains(things[place].label()) {
+            near.push(place as u32);
+        }
+    });
+    let crowded = view.maybe_crowd(&centre, reach) != 0;
+    if near.is_empty() && !crowded {
+        return false;
+    }
+    let frame = Frame::<R>::load(&room.singles, body.link);
+    for [x, y, z, r] in &body.eights {
+        let centre = frame.point([R::load(x), R::load(y), R::load(z)]);
+        let reach = R::load(r) + one(more);
+        for place in &room.near {
+            let thing = &things[*place as usize];
+            let keep = R::splat(question.keep(thing.label()));
+            if thing.outline().maybe(&centre, reach + keep) != 0 {
+                return true;
+            }
+        }
+        if crowded && view.maybe_crowd(&centre, reach + most) != 0 {
+            return true;
+        }
+    }
+    false
+}
+
 /// Lanes in which two bodies may be too near to each other.
 #[inline(always)]
 fn pairs<R: Real32>(
@@ -388,6 +450,15 @@ fn pairs<R: Real32>(
     let (frame, of) =
         (Frame::<R>::load(&room.singles, a.link), Frame::<R>::load(&room.singles, b.link));
     let mut left = 0;
+    if question.alone {
+        for [x, y, z, r] in &b.eights {
+            let p = frame.inner(&of.point([R::load(x), R::load(y), R::load(z)]));
+            if a.outline.maybe(&p, R::load(r) + own) != 0 {
+                return 1;
+            }
+        }
+        return 0;
+    }
     for ball in &b.balls {
         let p = frame.inner(&of.place(ball));
         let reach = reach_round(&p, ball[3], way.map(|way| way.1)) + own;

@@ -16,7 +16,8 @@ impl Collider {
     /// Looks at the postures whose frames are in place for bodies that may be `clear` (m) or less
     /// away from an object, and pairs that may be `own` or less apart. `questions` is how many
     /// times this is done in all, as far as that is known; `pairs` are the self pairs, in
-    /// another order of the two where that is needed.
+    /// another order of the two where that is needed. `alone` tells that all lanes hold one
+    /// posture, whose answer is that of the first.
     pub(crate) fn sift(
         &self,
         room: &mut Sifted,
@@ -24,6 +25,7 @@ impl Collider {
         pairs: &[(usize, usize)],
         questions: usize,
         way: Option<Bends<'_>>,
+        alone: bool,
     ) {
         let scene = self.scene();
         let question = Question {
@@ -36,6 +38,7 @@ impl Collider {
             most: clear.max(scene.largest_clearance()),
             own,
             way,
+            alone,
         };
         self.bodies().sieve().sift(Level::in_use(), &question, room);
     }
@@ -52,7 +55,7 @@ impl Collider {
         let bodies = self.bodies();
         let rows = q.len() / bodies.chain().dof();
         frames_abreast(bodies.chain(), q, &mut room.frames);
-        self.sift(room, (clear, 0.0), bodies.self_pairs(), questions, None);
+        self.sift(room, (clear, 0.0), bodies.self_pairs(), questions, None, rows == 1);
         let mut hits = 0;
         for row in 0..rows {
             hits |= Lanes::from(self.hits_in_lane(room, row, (clear, 0.0)).is_some()) << row;

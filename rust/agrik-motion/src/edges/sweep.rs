@@ -61,7 +61,7 @@ impl Certifier<'_> {
         let way = Bends { bodies, pairs: &glance.of_pairs, moves };
         // What is told to be kept holds for pairs as well.
         let told = (keep.0, keep.0.max(keep.1));
-        collider.sift(&mut glance.sifted, told, &glance.pairs, 1, Some(way));
+        collider.sift(&mut glance.sifted, told, &glance.pairs, 1, Some(way), false);
         self.left.clear();
         self.left.extend(glance.sifted.maybe.iter().map(|(mover, _)| *mover));
         if self.left.is_empty() {
@@ -69,7 +69,7 @@ impl Certifier<'_> {
         }
         // What is too near at one of the places is found at less cost than by proofs.
         if !stands {
-            collider.sift(&mut glance.sifted, keep, &glance.pairs, 1, None);
+            collider.sift(&mut glance.sifted, keep, &glance.pairs, 1, None, false);
         }
         let lanes = if stands { 1 } else { WIDEST };
         let hit = |lane| {

@@ -248,6 +248,29 @@ impl<'a> View<'a> {
         &self.all.things
     }
 
+    /// Shows the places of things whose boxes may be within `reach` (m) of one point, which is in
+    /// all of eight lanes: eight things at a time.
+    #[inline(always)]
+    pub fn each_near<R: Real32>(&self, p: &[R; 3], reach: R, mut show: impl FnMut(usize)) {
+        for (group, boxes) in self.all.boxes.iter().enumerate() {
+            let (c, h) = (&boxes.centre, &boxes.half);
+            let mut square = R::splat(0.0);
+            for k in 0..3 {
+                let over = (p[k] - R::load(&c[k])).abs() - R::load(&h[k]);
+                let over = over.max(R::splat(0.0));
+                square = over.mul_add(over, square);
+            }
+            let mut near = R::bits(square.le(reach * reach));
+            while near != 0 {
+                let place = 8 * group + near.trailing_zeros() as usize;
+                near &= near - 1;
+                if place < self.all.things.len() {
+                    show(place);
+                }
+            }
+        }
+    }
+
     /// There is more than things.
     pub fn is_crowded(&self) -> bool {
         !matches!(self.crowd, Few::Nothing)
