@@ -185,3 +185,24 @@ fn ways_that_a_glance_proves_are_safe_for_doubles() {
     }
     assert!(known[0] > 200 && known[1] > 200, "{known:?}");
 }
+
+#[test]
+fn what_was_asked_before_changes_nothing() {
+    let ways = |collider: &Collider| -> Vec<_> {
+        let dof = collider.bodies().chain().dof();
+        let q = random_postures(collider.bodies().chain(), 120, 31);
+        let mut certifier = Certifier::new(collider, Keep::clear(0.002).with_cap(0.002));
+        let each = |pair: &[f64]| {
+            let (from, to) = pair.split_at(dof);
+            let to: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + 0.2 * (b - a)).collect();
+            certifier.explained(from, &to)
+        };
+        q.chunks(2 * dof).map(each).collect()
+    };
+    let fresh = collider("cucumber", "greenhouse2");
+    let first = ways(&fresh);
+    let used = collider("cucumber", "greenhouse2");
+    let q = random_postures(used.bodies().chain(), 8000, 2);
+    used.collides(&q, 0.0, 2, &mut { GO }).unwrap();
+    assert_eq!(ways(&used), first);
+}

@@ -5,7 +5,8 @@
 //! nearest, one file a pair of kinds in [`mod@distance`]. A [`Scene`] holds named objects made of
 //! many solids, and answers for one more solid, placed anywhere, whether it is free and how
 //! far away the nearest object is; below it lies a [`SphereTree`], which weighs up eight
-//! spheres at a time with singles and leaves to doubles what is near.
+//! spheres at a time with singles and leaves to doubles what is near. Beside it, [`outline`] rules
+//! out in singles that balls of many postures are near anything.
 //!
 //! Lengths are in metres, all coordinates in one frame that the caller chooses. No function
 //! of this crate takes any other unit, and none depends on one: nothing but ratios of

@@ -8,6 +8,9 @@ use super::certifier::Certifier;
 use super::mover::{Asked, Bound};
 use crate::body::{Bends, PARTS, Sifted};
 
+/// What is seen of a crowd must not depend on what was asked before: its field is made at once.
+const NOW: usize = usize::MAX;
+
 /// Memory for a glance.
 #[derive(Debug)]
 pub(super) struct Glance {
@@ -61,7 +64,7 @@ impl Certifier<'_> {
         let way = Bends { bodies, pairs: &glance.of_pairs, moves };
         // What is told to be kept holds for pairs as well.
         let told = (keep.0, keep.0.max(keep.1));
-        collider.sift(&mut glance.sifted, told, &glance.pairs, 1, Some(way), false);
+        collider.sift(&mut glance.sifted, told, &glance.pairs, NOW, Some(way), false);
         self.left.clear();
         self.left.extend(glance.sifted.maybe.iter().map(|(mover, _)| *mover));
         if self.left.is_empty() {
@@ -69,7 +72,7 @@ impl Certifier<'_> {
         }
         // What is too near at one of the places is found at less cost than by proofs.
         if !stands {
-            collider.sift(&mut glance.sifted, keep, &glance.pairs, 1, None, false);
+            collider.sift(&mut glance.sifted, keep, &glance.pairs, NOW, None, false);
         }
         let lanes = if stands { 1 } else { WIDEST };
         let hit = |lane| {

@@ -9,8 +9,10 @@ use agrik_compute::lanes::Real32;
 
 use crate::shapes::Point;
 
-/// Most cells of a grid.
-const CELLS: f64 = 131_072.0;
+/// Cells of a grid: so many for each sphere, but no fewer and no more than this.
+const EACH: usize = 100;
+const FEWEST: usize = 4096;
+const MOST: usize = 131_072;
 /// Most cells in a row.
 const ROW: f64 = 64.0;
 /// Spheres that have parts in so many times the cells and themselves are no crowd of small ones.
@@ -56,12 +58,13 @@ impl Field {
             return None;
         }
         // No more cells in a row than are of use: nothing is told beyond the window.
-        let edge = (side.iter().product::<f64>() / CELLS).cbrt().max(longest / ROW);
+        let wanted = (EACH * spheres.len()).clamp(FEWEST, MOST) as f64;
+        let edge = (side.iter().product::<f64>() / wanted).cbrt().max(longest / ROW);
         let counts = side.map(|s| (s / edge).ceil().max(1.0) as usize);
         let steps = [1, counts[0], counts[0] * counts[1]];
         let all = (counts[0] * counts[1] * counts[2]) as f64;
         let covered = |[.., r]: &[f64; 4]| (2.0 * r / edge + 1.0).powi(3).min(all);
-        if spheres.iter().map(covered).sum::<f64>() > MANY * (CELLS + spheres.len() as f64) {
+        if spheres.iter().map(covered).sum::<f64>() > MANY * (wanted + spheres.len() as f64) {
             return None;
         }
         let mut squares = vec![UNKNOWN; counts[0] * counts[1] * counts[2]];
@@ -81,8 +84,9 @@ impl Field {
         for k in 0..3 {
             spread(&mut squares, counts[k], steps[k]);
         }
-        let far = ((WINDOW - 1) * (WINDOW - 1)) as i16;
-        let parts = |square: &i16| (f32::from((*square).min(far)).sqrt() * PARTS) as u8;
+        let far = (WINDOW - 1) * (WINDOW - 1);
+        let told: Vec<u8> = (0..=far).map(|d| ((d as f32).sqrt() * PARTS) as u8).collect();
+        let parts = |square: &i16| told[(*square as usize).min(far)];
         Some(Self {
             first: [0, 1, 2].map(|k| (low[k] + 0.5 * edge - origin[k]) as f32),
             per_metre: (1.0 / edge) as f32,

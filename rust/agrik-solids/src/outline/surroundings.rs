@@ -182,8 +182,8 @@ impl Surroundings {
                     let spheres: Vec<_> = crowd.spheres.iter().map(|i| sphere(*i)).collect();
                     Field::new(&spheres, self.origin)
                 };
-                let before = crowd.asked.fetch_add(questions, Ordering::Relaxed);
-                let field = if before.saturating_add(questions) < WORTH {
+                let asked = |more| crowd.asked.fetch_add(more, Ordering::Relaxed) + more;
+                let field = if questions < WORTH && asked(questions) < WORTH {
                     crowd.field.get()
                 } else {
                     Some(crowd.field.get_or_init(made))
