@@ -102,7 +102,8 @@ impl Ring {
                         set.add(&q);
                     }
                 }
-                if !other.is_doubtful(&found[0]) {
+                // What is still odd lacks a posture, whatever the others look like.
+                if !other.is_doubtful(&found[0]) && set.count.is_multiple_of(2) {
                     return;
                 }
             }
