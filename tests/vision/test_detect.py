@@ -306,6 +306,14 @@ def test_a_cone_over_several_fruits_is_not_believed(seed: int) -> None:
         assert abs(np.sin(nearest.alpha) / np.sin(alpha) - 1) < 0.02
 
 
+def test_a_clusters_wall_cuts_no_fruit() -> None:
+    for seed in range(20):
+        scene = random_scene("cluster", seed)
+        normal = np.array(scene.wall.normal) / np.linalg.norm(scene.wall.normal)
+        for fruit in scene.fruits:
+            assert (np.array(fruit.centre) - scene.wall.point) @ normal > fruit.radius
+
+
 def test_two_fruits_are_no_flattened_one() -> None:
     mask, fruits = discs(1427)
     found = Detector(CAMERA).in_mask(mask)

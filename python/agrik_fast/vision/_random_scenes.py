@@ -50,6 +50,10 @@ KINDS = (
 """Kinds of scene: what is difficult in each."""
 
 
+# Radii that a cluster's fruits are in front of the wall, at least.
+_CLEAR = 1.05
+
+
 def random_scene(kind: str = "clean", seed: int = 0, camera: Camera | None = None) -> Scene:
     """Return a scene of a kind, in the camera's frame.
 
@@ -86,6 +90,7 @@ def random_scene(kind: str = "clean", seed: int = 0, camera: Camera | None = Non
     fruits: list[Fruit] = []
     if kind == "cluster":
         fruits = _cluster(camera, rng)
+        wall = _behind(wall, fruits)
     elif kind == "green":
         while len(fruits) < int(rng.integers(1, 4)):
             fruits.append(_green(camera, rng))
@@ -196,6 +201,15 @@ def _cluster(camera: Camera, rng: np.random.Generator) -> list[Fruit]:
         if gap > 0.03:
             fruits.append(green)
     return fruits
+
+
+def _behind(wall: Wall, fruits: list[Fruit]) -> Wall:
+    """Return a wall that is no nearer than fruits, moved away where it cuts one."""
+    normal = np.array(wall.normal)
+    size = float(np.linalg.norm(normal))
+    least = max(_CLEAR * each.radius * size - float(normal @ each.centre) for each in fruits)
+    x, y, z = wall.point
+    return replace(wall, point=(x, y, max(z, least)))
 
 
 def _apart(one: Fruit, other: Fruit) -> bool:
