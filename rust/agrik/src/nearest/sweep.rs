@@ -27,7 +27,7 @@ impl<C> Nearest<'_, C> {
         let (chain, q0) = (self.request.chain(), self.request.start(row));
         let Some(q0) = q0.filter(|_| self.request.goal(row).is_some()) else { return Vec::new() };
         let (dof, total) = (chain.dof(), found.branches);
-        let each = total / VALUES;
+        let each = (total / VALUES).max(1);
         // The swept value itself may be whole turns away.
         let mut q = found.q[i * total * dof..(i + 1) * total * dof].to_vec();
         for posture in q.chunks_exact_mut(dof) {
