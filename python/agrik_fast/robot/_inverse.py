@@ -155,8 +155,10 @@ class InverseKinematics:
         nearest : bool or int, default False
             Of all solutions the one with the least weighted sum of squared changes from `q0`,
             which is needed. Of arms whose branches `ik_all` finds without a lock, of all of
-            them; of others from 32 starts (or the number given here), each moved to where it
-            is nearest. ``restarts`` counts the starts.
+            them. Of arms with one joint to spare that `ik_all` sweeps, from the branches at 64
+            values of the free quantity: those nearer than their neighbours are moved to where
+            they are nearest. Of others from 32 starts, each moved likewise; a number asks for so
+            many starts, of any arm with joints to spare. ``restarts`` counts what was moved.
         joint_weights : array_like, shape (n,), optional
             What the change of each joint counts for `nearest`, 0 or more; default 1 each.
         limits : array_like, shape (n, 2) or broadcastable to (..., n, 2), rad or m, optional

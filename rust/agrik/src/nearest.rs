@@ -1,11 +1,15 @@
 //! Of all solutions of a target the one nearest to its start values.
 //!
-//! Arms whose branches are known are asked for all of them. Others, and those with joints to
-//! spare, are solved from several starts, and each solution is moved to where it is nearest.
+//! Arms whose branches are known are asked for all of them. Of arms with one joint to spare whose
+//! branches are known at each value of the free quantity, that quantity is swept over its range,
+//! and the postures that are nearer than their neighbours are moved to where they are nearest.
+//! Others are solved from several starts, and each solution is moved likewise.
+
+mod sweep;
 
 use crate::call::{AnswersMut, Merit, Outcome, Request, Second, Solve, Starts, Status};
 use crate::chain::Chain;
-use crate::closed_form::{ArmAngle, Ask, every, reason};
+use crate::closed_form::{ArmAngle, Ask, can_sweep, every, reason};
 use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, forward};
 use crate::lanes::Level;
@@ -13,6 +17,10 @@ use crate::solve::{Plan, Settings};
 
 /// Starts where the branches are not known, unless the caller says how many.
 pub const STARTS: usize = 32;
+/// Starts beside a sweep: near a singularity it may have nothing.
+const BESIDE_SWEEP: usize = 8;
+/// The nearest postures, which are moved twice.
+const AGAIN: usize = 4;
 /// Rows that a thread takes at a time.
 const RUN: usize = 32;
 
@@ -21,14 +29,15 @@ const RUN: usize = 32;
 pub struct Nearness {
     second: Second,
     weights: Vec<f64>,
-    starts: usize,
+    starts: Option<usize>,
 }
 
 impl Nearness {
-    /// Weights of the squared changes of the joints, 1 each without any, and the number of starts.
-    pub fn new(chain: &Chain, weights: Option<Vec<f64>>, starts: usize) -> Result<Self> {
-        if starts == 0 {
-            return Err(Error::argument("nearest", "at least one start", starts));
+    /// Weights of the squared changes of the joints, 1 each without any, and the number of starts
+    /// of arms with joints to spare: without one sweeps, and [`STARTS`] where there are none.
+    pub fn new(chain: &Chain, weights: Option<Vec<f64>>, starts: Option<usize>) -> Result<Self> {
+        if starts == Some(0) {
+            return Err(Error::argument("nearest", "at least one start", 0));
         }
         let weights = weights.unwrap_or_else(|| vec![1.0; chain.dof()]);
         let second = Second::new(chain, Merit::Near, None, Some(weights.clone()))?;
@@ -43,8 +52,18 @@ pub struct Nearest<'a, C> {
     request: Request<'a>,
     nearness: &'a Nearness,
     plan: Plan<'a>,
-    /// All branches are known.
-    branches: bool,
+    way: Way,
+}
+
+/// Where the postures to choose from come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Way {
+    /// All branches.
+    Branches,
+    /// The branches at each value of the free quantity.
+    Sweep,
+    /// So many starts.
+    Starts(usize),
 }
 
 impl<'a, C> Nearest<'a, C> {
@@ -54,36 +73,73 @@ impl<'a, C> Nearest<'a, C> {
             return Err(Error::argument("q0", "what the answers are to be nearest to", "none"));
         }
         let count = request.aim().weights().iter().filter(|w| **w != 0.0).count();
-        let branches = request.chain().dof() == count && reason(&request).is_none();
+        let spare = request.chain().dof().saturating_sub(count);
+        let way = match nearness.starts {
+            _ if spare == 0 && reason(&request).is_none() => Way::Branches,
+            Some(starts) => Way::Starts(starts),
+            // What is not free of collisions has free neighbours that a sweep leaves out.
+            None if spare == 1 && request.guard().is_none() && can_sweep(&request) => Way::Sweep,
+            None => Way::Starts(STARTS),
+        };
         let plan = Plan::new(request, Settings::default())?;
-        Ok(Self { call, request, nearness, plan, branches })
+        Ok(Self { call, request, nearness, plan, way })
     }
 
-    fn way(&self, q: &[f64], q0: &[f64]) -> f64 {
+    fn far(&self, q: &[f64], q0: &[f64]) -> f64 {
         let ways = q.iter().zip(q0).zip(&self.nearness.weights);
         ways.map(|((a, b), weight)| weight * (a - b) * (a - b)).sum()
     }
 
-    /// Postures of each row of a run that reach its target, one after the other.
-    fn postures(&self, level: Level, first: usize, count: usize) -> Result<Vec<Vec<f64>>> {
+    /// Postures of each row of a run that reach its target, one after the other, and how many were
+    /// moved on.
+    fn postures(&self, level: Level, first: usize, count: usize) -> Result<Vec<(Vec<f64>, u32)>> {
         let dof = self.request.chain().dof();
-        if !self.branches {
-            let postures = |row| {
-                let found =
-                    self.plan.several(level, row, self.nearness.starts, &self.nearness.second);
-                let q = found.q.chunks_exact(dof).enumerate();
-                q.filter(|(i, _)| found.success(*i)).flat_map(|(_, q)| q.to_vec()).collect()
-            };
-            return Ok((first..first + count).map(postures).collect());
-        }
         let ask = Ask { locks: &[], angle: ArmAngle::Free, sweep: None, wrap: false };
-        let found = every(&self.request.part(first, count), &ask, 1, &mut || true)?;
-        let of = |row: usize| {
-            let all = row * found.branches..(row + 1) * found.branches;
-            let valid = all.filter(|b| found.valid[*b]);
-            valid.flat_map(|b| found.q[b * dof..(b + 1) * dof].to_vec()).collect()
+        let rows = first..first + count;
+        match self.way {
+            Way::Starts(starts) => {
+                let of = |row| self.moved(level, row, &self.plan.starts(row, starts));
+                Ok(rows.map(of).collect())
+            }
+            Way::Sweep => {
+                let ask = Ask { sweep: Some(sweep::VALUES), ..ask };
+                let found = every(&self.request.part(first, count), &ask, 1, &mut || true)?;
+                let of = |row| {
+                    let mut starts = self.least_of_sweep(&found, row - first, row);
+                    starts.extend(self.plan.starts(row, BESIDE_SWEEP));
+                    self.moved(level, row, &starts)
+                };
+                Ok(rows.map(of).collect())
+            }
+            Way::Branches => {
+                let found = every(&self.request.part(first, count), &ask, 1, &mut || true)?;
+                let of = |row: usize| {
+                    let all = row * found.branches..(row + 1) * found.branches;
+                    let valid = all.filter(|b| found.valid[*b]);
+                    (valid.flat_map(|b| found.q[b * dof..(b + 1) * dof].to_vec()).collect(), 1)
+                };
+                Ok((0..count).map(of).collect())
+            }
+        }
+    }
+
+    /// What starts lead to, each moved to where it is nearest; the best of them once more, since
+    /// the steps of a move are numbered.
+    fn moved(&self, level: Level, row: usize, starts: &[f64]) -> (Vec<f64>, u32) {
+        let dof = self.request.chain().dof();
+        let Some(q0) = self.request.start(row) else { return (Vec::new(), 0) };
+        let move_on = |starts: &[f64]| {
+            let found = self.plan.moved(level, row, starts, &self.nearness.second);
+            let q = found.q.chunks_exact(dof).enumerate();
+            let reached: Vec<Vec<f64>> =
+                q.filter(|(i, _)| found.success(*i)).map(|(_, q)| q.to_vec()).collect();
+            reached
         };
-        Ok((0..count).map(of).collect())
+        let mut reached = move_on(starts);
+        reached.sort_by(|a, b| self.far(a, q0).total_cmp(&self.far(b, q0)));
+        let best = reached[..reached.len().min(AGAIN)].concat();
+        reached.extend(move_on(&best));
+        (reached.concat(), (starts.len() / dof) as u32)
     }
 
     /// Puts the nearest posture of each row in place of its answer.
@@ -91,18 +147,17 @@ impl<'a, C> Nearest<'a, C> {
         let chain = self.request.chain();
         let mut workspace = Workspace::new(chain.compiled());
         let all = self.postures(level, rows.first, rows.len())?;
-        let tried = if self.branches { 0 } else { self.nearness.starts as u32 - 1 };
-        for (i, postures) in all.iter().enumerate() {
+        for (i, (postures, tried)) in all.iter().enumerate() {
             let row = rows.first + i;
             let (Some(goal), Some(q0)) = (self.request.goal(row), self.request.start(row)) else {
                 continue;
             };
             let mut best: Option<(f64, &[f64], (f64, f64))> = None;
             if rows.ended(i, Status::Converged) {
-                best = Some((self.way(rows.q(i), q0), &[], (0.0, 0.0)));
+                best = Some((self.far(rows.q(i), q0), &[], (0.0, 0.0)));
             }
             for q in postures.chunks_exact(chain.dof()) {
-                let way = self.way(q, q0);
+                let way = self.far(q, q0);
                 if best.is_some_and(|(least, _, _)| least <= way) || !chain.within_limits(q) {
                     continue;
                 }
@@ -116,7 +171,7 @@ impl<'a, C> Nearest<'a, C> {
             }
             let Some((_, q, (position_error, orientation_error))) = best else { continue };
             let before = rows.outcome(i);
-            let restarts = before.restarts + tried;
+            let restarts = before.restarts + tried.saturating_sub(1);
             if q.is_empty() {
                 let same = rows.q(i).to_vec();
                 rows.finish(i, Outcome { restarts, ..before }).copy_from_slice(&same);

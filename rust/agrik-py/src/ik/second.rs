@@ -2,7 +2,7 @@
 
 use agrik::call::{Merit, Second};
 use agrik::chain::Chain;
-use agrik::nearest::{Nearness, STARTS};
+use agrik::nearest::Nearness;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};
 
@@ -50,7 +50,7 @@ fn numbers(chain: &Chain, argument: &str, value: &Bound<'_, PyAny>) -> PyResult<
     Ok(Some(Floats::of_shape(argument, value, &[chain.dof()])?.values()?.to_vec()))
 }
 
-/// How near answers are asked for: `nearest` is a truth value, or the number of starts.
+/// How near answers are asked for: `nearest` is a truth value, or a number of starts.
 pub fn nearness(
     py: Python<'_>,
     chain: &Chain,
@@ -59,8 +59,10 @@ pub fn nearness(
 ) -> PyResult<Option<Nearness>> {
     let starts = match nearest.map(|value| (value, value.cast::<PyBool>())) {
         None => None,
-        Some((_, Ok(truth))) => truth.is_true().then_some(STARTS),
-        Some((value, Err(_))) => Some(convert::whole("nearest", value, 1, MOST_STARTS)? as usize),
+        Some((_, Ok(truth))) => truth.is_true().then_some(None),
+        Some((value, Err(_))) => {
+            Some(Some(convert::whole("nearest", value, 1, MOST_STARTS)? as usize))
+        }
     };
     let weights = match weights {
         Some(weights) => numbers(chain, "joint_weights", weights)?,

@@ -92,6 +92,12 @@ impl Second {
         self.posture.as_deref()
     }
 
+    /// The same measure about a posture, unless it has one of its own.
+    pub(crate) fn about(&self, posture: &[f64]) -> Self {
+        let own = self.posture.clone().unwrap_or_else(|| posture.to_vec());
+        Self { posture: Some(own), ..self.clone() }
+    }
+
     /// The slope of the measure at a joint value, where it is the sum of what the joints add.
     #[inline(always)]
     pub(crate) fn slope<R: Real>(&self, i: usize, q: R, about: R) -> R {
@@ -108,6 +114,26 @@ impl Second {
                 let down = (q - R::splat(lower)).max(least);
                 let product = up * down;
                 (down - up) * R::splat(weight * half * half) / (product * product)
+            }
+            _ => R::zero(),
+        }
+    }
+
+    /// How the slope changes with the joint value.
+    #[inline(always)]
+    pub(crate) fn curvature<R: Real>(&self, i: usize, q: R) -> R {
+        let (joint, weight) = (&self.joints[i], self.weights[i]);
+        let Joint { lower, upper, half, .. } = *joint;
+        match self.measure {
+            Merit::Near => R::splat(weight),
+            Merit::Middle if half > 0.0 => R::splat(weight / (half * half)),
+            Merit::Limits if half > 0.0 => {
+                let least = R::splat(2.0 * half * LEAST);
+                let up = (R::splat(upper) - q).max(least);
+                let down = (q - R::splat(lower)).max(least);
+                let (product, change) = (up * down, up - down);
+                let sum = (change * change + product) * R::splat(2.0 * weight * half * half);
+                sum / (product * product * product)
             }
             _ => R::zero(),
         }

@@ -61,6 +61,14 @@ pub(crate) enum Copies {
 }
 
 impl Copies {
+    /// So many copies of the first of them.
+    pub fn repeated(&self, count: usize) -> Self {
+        match self {
+            Self::Points(points, direction) => Self::Points(vec![points[0]; count], *direction),
+            Self::Poses(poses) => Self::Poses(vec![poses[0]; count]),
+        }
+    }
+
     /// The copies as the targets of a request.
     pub fn goals(&self) -> Goals<'_> {
         match self {

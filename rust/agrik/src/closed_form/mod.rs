@@ -20,7 +20,7 @@ pub use calls::all_branches::{all, all_into};
 pub use calls::any_arm::AnyArm;
 pub use calls::arm_angle::ArmAngle;
 pub use calls::branches::{Branches, BranchesMut};
-pub use calls::every_branch::{Ask, every, reason};
+pub use calls::every_branch::{Ask, can_sweep, every, reason};
 pub use calls::family::Family as Recognised;
 pub use calls::locked::{Lock, Values, all_locked};
 pub use calls::one_pose::{Alone, alone, alone_of_six};

@@ -77,7 +77,7 @@ impl Limit {
 }
 
 /// The angle of the same posture that is nearest to `about` inside a joint's own limits.
-pub(super) fn wound(v: &Variable, x: f64, about: f64) -> f64 {
+pub(crate) fn wound(v: &Variable, x: f64, about: f64) -> f64 {
     let turns = v.periodic && v.kind != JointKind::Prismatic;
     if turns { Limit::of(v).wound(x, about) } else { x }
 }

@@ -22,6 +22,7 @@ mod tracker;
 pub use climb::Climb;
 pub use engine::run;
 pub use follow::{Follow, Path};
+pub(crate) use limit::wound;
 pub use plan::Plan;
 pub use rates::Twists;
 pub use refined::Refined;

@@ -2,8 +2,6 @@
 
 use std::ops::Deref;
 
-use nalgebra::DMatrix;
-
 use super::Settings;
 use super::limit::wound;
 use super::setup::Setup;
@@ -11,7 +9,6 @@ use super::start::Sampler;
 use crate::call::{Aim, Answers, Copies, Goals, Request, Second, Solve, Starts, Tolerance};
 use crate::chain::Chain;
 use crate::error::{Error, Result};
-use crate::kinematics::{Workspace, columns, forward};
 use crate::lanes::Level;
 use crate::task::{Goal, Task};
 
@@ -108,26 +105,6 @@ impl<'a> Plan<'a> {
         self.request.chain().dof() > asked || self.setup().slack.is_some()
     }
 
-    /// Half the logarithm of `det(J J^T)`, of the tool's place, and of its turns too where a full
-    /// pose is asked of six joints or more.
-    pub(super) fn dexterity(&self, q: &[f64]) -> f64 {
-        let chain = self.request.chain().compiled();
-        let mut workspace = Workspace::new(chain);
-        forward(chain, q, &mut workspace);
-        let tool = workspace.tool_point(self.setup().aim.tail().translation);
-        let whole = self.setup().aim.fixes_pose() && chain.dof >= 6;
-        let rows = if whole { 6 } else { 3 };
-        let mut jacobian: DMatrix<f64> = DMatrix::zeros(rows, q.len());
-        columns(chain, &workspace, tool, |variable, linear, angular| {
-            let turn = angular.map(|x| x * self.setup().rotation_scale);
-            for (r, x) in linear.into_iter().chain(turn).take(rows).enumerate() {
-                jacobian[(r, variable)] += x;
-            }
-        });
-        let square: DMatrix<f64> = &jacobian * jacobian.transpose();
-        0.5 * square.determinant().max(f64::MIN_POSITIVE).ln()
-    }
-
     /// What is to be reached.
     pub fn request(&self) -> &Request<'a> {
         &self.request
@@ -149,26 +126,17 @@ impl<'a> Plan<'a> {
         Plan { request, setup: Held::Own(Box::new(setup)), ..self.clone() }
     }
 
-    /// What one attempt each from several starts leads to: the start values of target `row`, some
-    /// around them and some from anywhere, `count` in all; each moved to where `second` is best.
-    pub(crate) fn several(
-        &self,
-        level: Level,
-        row: usize,
-        count: usize,
-        second: &Second,
-    ) -> Answers {
-        let dof = self.request.chain().dof();
-        let mut answers = Answers::new(count, dof);
+    /// Starts for target `row`, one after the other: its start values, by turns some around them,
+    /// farther each time, and some from anywhere; `count` in all.
+    pub(crate) fn starts(&self, row: usize, count: usize) -> Vec<f64> {
         let (Some(goal), Some(q0)) = (self.request.goal(row), self.start(row)) else {
-            return answers;
+            return Vec::new();
         };
         let there = self.setup().at_point(goal);
         let mut starts = q0.to_vec();
         let mut start = q0.to_vec();
         for attempt in 1..count as u32 {
             start.copy_from_slice(q0);
-            // By turns around the start values, farther each time, and from anywhere.
             if attempt % 2 == 1 {
                 self.sampler.around(row, 1 + attempt / 4, &mut start);
             } else {
@@ -176,10 +144,27 @@ impl<'a> Plan<'a> {
             }
             starts.extend_from_slice(&start);
         }
+        starts
+    }
+
+    /// What one attempt at target `row` from each of some starts leads to, moved to where `second`,
+    /// about the start values of the row, is best.
+    pub(crate) fn moved(
+        &self,
+        level: Level,
+        row: usize,
+        starts: &[f64],
+        second: &Second,
+    ) -> Answers {
+        let dof = self.request.chain().dof();
+        let count = starts.len() / dof;
+        let mut answers = Answers::new(count, dof);
+        let Some(q0) = self.start(row).filter(|_| count > 0) else { return answers };
         let copies = self.request.copies(row, count);
         let one = Settings { max_restarts: 0, ..Settings::LEVENBERG_MARQUARDT };
-        let mut plan = self.with(&copies, &starts, one);
-        plan.request = plan.request.with_second(second);
+        let mut plan = self.with(&copies, starts, one);
+        let about = second.about(q0);
+        plan.request = plan.request.with_second(&about);
         let rows = vec![row; count];
         plan.sampler.chosen = Some(&rows);
         let mut all = Some(answers.as_mut());

@@ -1,8 +1,9 @@
 //! A control loop: a target a tick, and a posture that changes by no more than a bound.
 //!
 //! A tick continues the posture before by the step solver. Where that does not arrive within the
-//! bound, the tick looks for the posture to go to: the nearest that reaches the target, from a
-//! few starts each tick, or, where none does, the one that comes nearest to it. Each joint goes
+//! bound, the tick looks for the posture to go to: of those that reach the target, from a few
+//! starts each tick, the one that is met soonest where the target goes on as it did, or, where
+//! none does, the one that comes nearest to it. Each joint goes
 //! there as fast as it may, so that the arm neither jumps nor stays in a dead end.
 
 use super::Settings;
@@ -12,7 +13,7 @@ use super::plan::Plan;
 use super::setup::Setup;
 use crate::allowed::is_measure;
 use crate::call::{
-    Aim, Answers, Goals, INSIDE, Outcome, Second, Solve, Starts, Status, solve_into,
+    Aim, Answers, Copies, Goals, INSIDE, Outcome, Second, Solve, Starts, Status, solve_into,
 };
 use crate::chain::Chain;
 use crate::error::{Error, Result};
@@ -31,6 +32,12 @@ const ANYWHERE: u32 = 4;
 const SOONER: f64 = 0.8;
 const NEARER: f64 = 0.02;
 const LESS_TURNED: f64 = 0.1;
+/// A posture that runs away from the arm, or out of its limits, counts as so many times farther at
+/// most: rates tell little of what comes later. Ticks for which it is taken to go on as it does,
+/// and how far out of its limits that may lead, rad or m.
+const LONGER: f64 = 4.0;
+const AHEAD: f64 = 40.0;
+const SLACK: f64 = 0.02;
 /// Ticks out of reach in a row with a look elsewhere in each; later in every so many.
 const LOOKS: u32 = 16;
 const SELDOM: u32 = 8;
@@ -49,6 +56,8 @@ pub struct Tracker {
     at: Option<PerJoint<f64>>,
     /// The posture that it goes to.
     toward: Option<PerJoint<f64>>,
+    /// The target of the tick before, if that did not arrive.
+    before: Option<Copies>,
     /// Ticks in a row that did not arrive.
     away: u32,
 }
@@ -76,6 +85,7 @@ impl Tracker {
             most,
             at: None,
             toward: None,
+            before: None,
             away: 0,
         })
     }
@@ -125,6 +135,7 @@ impl Tracker {
         } else {
             self.away = 0;
             self.toward = None;
+            self.before = None;
         }
         if let Some(at) = &mut self.at {
             at.copy_from_slice(&answers.q);
@@ -152,6 +163,7 @@ impl Tracker {
             at,
             most: &self.most,
             toward: self.toward.as_deref(),
+            before: self.before.as_ref(),
             away: self.away,
             iterations: answers.iterations[0],
             restarts: 0,
@@ -183,6 +195,7 @@ impl Tracker {
         answers.as_mut().finish(0, outcome).copy_from_slice(&q);
         self.away = if reached { 0 } else { self.away.saturating_add(1) };
         self.toward = toward.filter(|_| !reached);
+        self.before = (!reached).then(|| plan.request.copies(0, 1));
         Ok(())
     }
 }
@@ -195,6 +208,7 @@ struct Hunt<'t> {
     at: &'t [f64],
     most: &'t [f64],
     toward: Option<&'t [f64]>,
+    before: Option<&'t Copies>,
     away: u32,
     iterations: u32,
     restarts: u32,
@@ -232,13 +246,48 @@ impl Hunt<'_> {
         let mut found = self.attempts(&starts, ONE, None).into_iter();
         let present = found.next().flatten().filter(|_| self.toward.is_some());
         let continued = continued.map(PerJoint::from_slice);
-        let ticks = |q: &PerJoint<f64>| ticks(self.at, q, self.most);
-        let other = found.flatten().chain(continued).min_by(|a, b| ticks(a).total_cmp(&ticks(b)));
-        match (present, other) {
-            (Some(present), Some(other)) if ticks(&other) < SOONER * ticks(&present) => Some(other),
-            (Some(present), _) => Some(present),
-            (None, other) => other,
-        }
+        let mut all: Vec<PerJoint<f64>> = present.into_iter().collect();
+        let stays = all.len();
+        all.extend(found.flatten().chain(continued));
+        let times = self.meetings(&all);
+        let best = (stays..all.len()).min_by(|a, b| times[*a].total_cmp(&times[*b]));
+        let chosen = match best {
+            Some(best) if stays == 0 || times[best] < SOONER * times[0] => best,
+            _ if stays > 0 => 0,
+            _ => return None,
+        };
+        Some(all.swap_remove(chosen))
+    }
+
+    /// Ticks until the arm meets each of some postures if they go on as they did since the tick
+    /// before; many where it does not, or where that leads out of the limits before long.
+    fn meetings(&mut self, postures: &[PerJoint<f64>]) -> Vec<f64> {
+        let still = |q: &PerJoint<f64>| ticks(self.at, q, self.most);
+        let Some(before) = self.before else { return postures.iter().map(still).collect() };
+        let (chain, at, most) = (self.plan.request.chain(), self.at, self.most);
+        let starts: Vec<f64> = postures.iter().flatten().copied().collect();
+        let before = before.repeated(postures.len());
+        let were = self.attempts_at(&before, &starts, CONTINUE, None);
+        let meeting = |(q, was): (&PerJoint<f64>, Option<PerJoint<f64>>)| {
+            let still = ticks(at, q, most);
+            let Some(was) = was else { return still };
+            let variables = chain.variables().iter().enumerate();
+            let rates: PerJoint<f64> =
+                variables.clone().map(|(j, v)| q[j] - wound(v, was[j], q[j])).collect();
+            let time = |(j, rate): (usize, &f64)| {
+                let way = q[j] - at[j];
+                // Ahead of it or behind: what is left of the joint's own rate closes the way.
+                let closing = most[j] - if way > 0.0 { *rate } else { -rate };
+                way.abs() / closing.max(most[j] / LONGER)
+            };
+            let soonest = rates.iter().enumerate().map(time).fold(0.0, f64::max);
+            // What bends is not told by its rates for long.
+            let ahead = soonest.min(AHEAD);
+            let mut ends = variables.map(|(j, v)| (q[j] + ahead * rates[j], v));
+            let leaves = ends.any(|(end, v)| end < v.lower - SLACK || end > v.upper + SLACK);
+            if leaves { LONGER * soonest.max(still) } else { soonest }
+        };
+        postures.iter().zip(were).map(meeting).collect()
     }
 
     /// The posture that comes nearest to a target that none was found to reach.
@@ -280,10 +329,21 @@ impl Hunt<'_> {
         settings: Settings,
         bounds: Option<Vec<(f64, f64)>>,
     ) -> Vec<Option<PerJoint<f64>>> {
+        let target = self.plan.request.copies(0, starts.len() / self.at.len());
+        self.attempts_at(&target, starts, settings, bounds)
+    }
+
+    /// The same at other targets, one for each start.
+    fn attempts_at(
+        &mut self,
+        target: &Copies,
+        starts: &[f64],
+        settings: Settings,
+        bounds: Option<Vec<(f64, f64)>>,
+    ) -> Vec<Option<PerJoint<f64>>> {
         let (chain, dof) = (self.plan.request.chain(), self.at.len());
         let count = starts.len() / dof;
-        let target = self.plan.request.copies(0, count);
-        let mut plan = self.plan.with(&target, starts, settings);
+        let mut plan = self.plan.with(target, starts, settings);
         plan.bounds = bounds;
         let mut answers = Answers::new(count, dof);
         let mut all = Some(answers.as_mut());

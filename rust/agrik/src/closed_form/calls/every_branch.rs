@@ -8,6 +8,7 @@ use super::all_branches::all;
 use super::any_arm::AnyArm;
 use super::arm_angle::ArmAngle;
 use super::branches::Branches;
+use super::family::Family;
 use super::locked::{Lock, Values, all_locked};
 use super::query::Query;
 use super::wrap::wrapped;
@@ -299,6 +300,15 @@ fn free_of(request: &Request<'_>, ask: &Ask<'_>) -> Result<Free> {
         Ok(lead) if chain.dof() == 7 && rest_is_known(lead.rest()) => Ok(joint(lead.variable())),
         _ => Err(refuse(&format!("'{}' with {} joints", chain.name(), chain.dof()))),
     }
+}
+
+/// The branches of the targets can be asked for at each value of a free joint or arm angle.
+pub fn can_sweep(request: &Request<'_>) -> bool {
+    let ask = Ask { locks: &[], angle: ArmAngle::Free, sweep: None, wrap: false };
+    request.aim().fixes_pose()
+        && matches!(request.goals(), Goals::Poses(_))
+        && free_of(request, &ask).is_ok()
+        && Family::of(request.chain()).branches > 0
 }
 
 /// The values of a sweep: over the limits, ends included; over a whole turn, each once.

@@ -12,9 +12,9 @@ use super::Engine;
 use super::runs::Runs;
 use crate::call::{Merit, Outcome, Status};
 use crate::kinematics::{PerJoint, columns};
-use crate::lanes::{Real, V3, cross, dot, scale};
-use crate::solve::linear::solve_spd_for;
-use crate::solve::step::{dot as dot_of_six, pulled};
+use crate::lanes::{Real, V3, axpy, cross, dot, scale};
+use crate::solve::linear::Factored;
+use crate::solve::step::pulled;
 use crate::task::{Rows, TaskError};
 
 /// Most steps of a target.
@@ -24,15 +24,18 @@ pub(super) const STEPS: u32 = 40;
 const LONGEST: f64 = 0.3;
 const FIRST: f64 = 0.1;
 /// The longest towards manipulability, whose slope turns within tenths of a radian.
-const CAREFUL: f64 = 0.1;
+const CAREFUL: f64 = 0.2;
 /// Steps at the end that are left to the target alone; before them steps along the measure get
 /// shorter and shorter, so that none that go to and fro spoil the end.
 const LAST: u32 = 8;
 const SHORTER: u32 = 12;
-/// A step along the measure below this is none; towards the limits' measure, which is steep near
-/// them, steps are shorter.
-const SETTLED: f64 = 2e-5;
-const SETTLED_STEEP: f64 = 1e-6;
+/// A step along the measure below this is the last. Where the measure hardly bends along the way
+/// much may be left after a short one, which counts where answers are to be the nearest; the limits'
+/// measure is steep near them. Steps that a limit shortens are no end before `STUCK`.
+const SETTLED: f64 = 3e-4;
+const SETTLED_NEAR: f64 = 2e-5;
+const SETTLED_STEEP: f64 = 3e-6;
+const STUCK: f64 = 2e-5;
 /// A joint this near to a limit stands at it, rad or m, and one that the way back to the target
 /// would push outward by this is held as well.
 const AT: f64 = 1e-6;
@@ -51,6 +54,8 @@ pub(super) struct Memory<R> {
     before_q: PerJoint<R>,
     about: PerJoint<R>,
     columns: PerJoint<(usize, V3<R>, V3<R>)>,
+    /// What manipulability was before the first step, and before the last.
+    value: (R, R),
     /// Steps so far, and the length of the last.
     stepped: R,
     length: R,
@@ -70,6 +75,7 @@ impl<R: Real> Memory<R> {
             before_q: zeros(),
             about: zeros(),
             columns: PerJoint::new(),
+            value: (R::zero(), R::zero()),
             stepped: R::zero(),
             length: R::zero(),
             held: R::zero(),
@@ -105,7 +111,9 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             *pull = -second.slope(i, self.q[i], self.second.about[i]);
         }
         if second.measure == Merit::Manipulability {
-            self.pull_to_dexterity();
+            let value = self.pull_to_dexterity();
+            let begins = self.second.stepped.lt(R::splat(0.5));
+            self.second.value = (R::select(begins, value, self.second.value.0), value);
         }
         if self.stretches {
             for (v, pull) in self.limits.iter().zip(&mut self.pull) {
@@ -125,11 +133,14 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         }
         // How far: by what the step before changed.
         let (mut moved, mut turned, mut longest) = (R::zero(), R::zero(), R::splat(1e-300));
+        let (mut steep, mut bend) = (R::zero(), R::zero());
         let memory = &mut self.second;
         let ways = memory.along.iter().zip(&mut memory.before);
-        for ((v, (way, before)), (q, q_before)) in
-            self.limits.iter().zip(ways).zip(self.q.iter().zip(&mut memory.before_q))
-        {
+        let joints = self.limits.iter().zip(ways).zip(self.q.iter().zip(&mut memory.before_q));
+        for (i, ((v, (way, before)), (q, q_before))) in joints.enumerate() {
+            steep = way.mul_add(*way, steep);
+            let turn = if self.stretches && v.slides { *way * per_radian } else { *way };
+            bend = (turn * turn).mul_add(second.curvature(i, *q), bend);
             let change = *q - *q_before;
             let change = if self.stretches && v.slides { change / per_radian } else { change };
             moved = change.mul_add(change, moved);
@@ -146,15 +157,13 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         let known = R::and(comparable, R::zero().lt(turned));
         let secant = moved / R::select(known, turned, R::splat(1.0));
         let usual = match second.measure {
-            Merit::Near => R::splat(1.0),
-            _ => R::select(before, memory.length, R::splat(FIRST) / longest),
+            Merit::Manipulability => R::select(before, memory.length, R::splat(FIRST) / longest),
+            // By how the measure itself bends along the way.
+            _ => steep / bend.max(R::splat(1e-300)),
         };
-        let (most, from) = match second.measure {
-            Merit::Manipulability => (CAREFUL, 0),
-            _ => (LONGEST, SHORTER),
-        };
+        let most = if second.measure == Merit::Manipulability { CAREFUL } else { LONGEST };
         let last = f64::from(STEPS - LAST);
-        let left = (R::splat(last) - memory.stepped) * R::splat(1.0 / (last - f64::from(from)));
+        let left = (R::splat(last) - memory.stepped) * R::splat(1.0 / (last - f64::from(SHORTER)));
         let far = left.max(R::zero()).min(R::splat(1.0)) * R::splat(most) / longest;
         let downward = R::and(comparable, turned.le(R::zero()));
         let usual = R::select(downward, far, usual);
@@ -174,8 +183,16 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             }
         }
         let length = least;
-        let settled = if second.measure == Merit::Limits { SETTLED_STEEP } else { SETTLED };
-        let still = R::bits((length * longest).lt(R::splat(settled)));
+        let settled = match second.measure {
+            Merit::Limits => SETTLED_STEEP,
+            Merit::Near => SETTLED_NEAR,
+            _ => SETTLED,
+        };
+        let still = R::or(
+            (memory.length * longest).lt(R::splat(settled)),
+            (length * longest).lt(R::splat(settled.min(STUCK))),
+        );
+        let still = R::bits(still);
         let counted = memory.stepped + R::splat(1.0);
         memory.stepped = R::select(R::mask_from_bits(moving), counted, memory.stepped);
         for (change, way) in self.change.iter_mut().zip(&memory.along) {
@@ -219,9 +236,10 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
     }
 
     /// The slope of the logarithm of the manipulability as the pull: how the columns of the
-    /// Jacobian change with each joint, seen by the inverse of `J J^T`.
+    /// Jacobian change with each joint, seen by the inverse of `J J^T`; returns its determinant, of
+    /// the tool's place, and of its turns too where a full pose is asked of six joints or more.
     #[inline(always)]
-    fn pull_to_dexterity(&mut self) {
+    fn pull_to_dexterity(&mut self) -> R {
         let compiled = self.plan.request.chain().compiled();
         let point = self.workspace.tool_point(self.setup.aim.tail().translation);
         let (found, workspace) = (&mut self.second.columns, &self.workspace);
@@ -257,33 +275,36 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         for (i, line) in square.iter_mut().enumerate() {
             line[i] += if whole || i < 3 { trace * R::splat(FLOOR) } else { R::splat(1.0) };
         }
+        let factored = Factored::new(square);
+        let links = &self.second.columns;
+        // What a change of each column is worth, by the way of the tool point and by its turn; a
+        // joint turns the columns of those after it, and its own is turned by those before it.
+        let (mut after, mut before) = ([R::zero(); 3], [R::zero(); 3]);
         for pull in &mut self.pull {
             *pull = R::zero();
         }
-        let mut unit = [[R::zero(); 6]; 6];
-        for (i, line) in unit.iter_mut().enumerate() {
-            line[i] = R::splat(1.0);
+        let mut worths: PerJoint<(V3<R>, V3<R>)> = smallvec![(after, after); links.len()];
+        for (worth, link) in worths.iter_mut().zip(links) {
+            let w = factored.solve(sums[link.0]);
+            *worth = ([w[0], w[1], w[2]], [w[3] * size, w[4] * size, w[5] * size]);
         }
-        let inverse = solve_spd_for(&mut square, unit, R::splat(1e-300));
-        let links = &self.second.columns;
-        for (i, (variable, linear, angular)) in links.iter().enumerate() {
-            // What a change of this column is worth.
-            let worth = inverse.map(|line| dot_of_six(&line, &sums[*variable]));
-            let by_place = [worth[0], worth[1], worth[2]];
-            let by_turn = [worth[3] * size, worth[4] * size, worth[5] * size];
-            for (k, (other, way, axis)) in links.iter().enumerate() {
-                let worth = if k <= i {
-                    let mut worth = dot(by_place, cross(*axis, *linear));
-                    if whole {
-                        worth += dot(by_turn, cross(*axis, *angular));
-                    }
-                    worth
-                } else {
-                    dot(by_place, cross(*angular, *way))
-                };
-                self.pull[*other] += worth;
+        let one = R::splat(1.0);
+        for ((variable, linear, angular), (by_place, _)) in links.iter().zip(&worths) {
+            self.pull[*variable] += dot(*linear, before);
+            before = axpy(cross(*by_place, *angular), one, before);
+        }
+        for ((variable, linear, angular), (by_place, by_turn)) in links.iter().zip(&worths).rev() {
+            after = axpy(cross(*linear, *by_place), one, after);
+            if whole {
+                after = axpy(cross(*angular, *by_turn), one, after);
             }
+            self.pull[*variable] += dot(*angular, after);
         }
+        let mut determinant = factored.pivots[0];
+        for pivot in &factored.pivots[1..] {
+            determinant *= *pivot;
+        }
+        determinant
     }
 
     /// Ends a lane: the better posture becomes its row's answer, or the row stays as it was.
@@ -299,17 +320,22 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         let q: PerJoint<f64> = self.q.iter().map(|x| x.lane(lane)).collect();
         let about = |i: usize| self.second.about[i].lane(lane);
         let value = |q: &[f64]| -> f64 {
-            if second.measure == Merit::Manipulability {
-                -self.plan.dexterity(q)
-            } else {
-                q.iter().enumerate().map(|(i, x)| second.value(i, *x, about(i))).sum()
+            q.iter().enumerate().map(|(i, x)| second.value(i, *x, about(i))).sum()
+        };
+        let before = runs.q(place);
+        let better = match second.measure {
+            // The last step of all is so short that it is of no account.
+            Merit::Manipulability => {
+                let (first, last) = self.second.value;
+                first.lane(lane) < last.lane(lane)
             }
+            _ => value(&q) < value(before),
         };
         let free = |q: &[f64]| {
             let guard = self.plan.request.guard();
             guard.is_none_or(|guard| guard.accept.accepts(q) & 1 != 0)
         };
-        if !reached || value(&q) >= value(runs.q(place)) || !free(&q) {
+        if !reached || !better || !free(&q) {
             return runs.keep(place);
         }
         let before = runs.outcome(place);
