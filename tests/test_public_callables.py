@@ -85,10 +85,10 @@ ANSWERS = {
     "Checked", "Command", "Commands", "Cone", "Contact", "Cut", "CutProof", "Cycle", "Decision",
     "Decisions", "Detection", "DhRow", "Distances", "Evaluation", "ExcludedPair", "Family",
     "FruitTruth", "IkResult", "JointPath", "Leg", "LinkStatistics", "LongFruit", "Obstacle",
-    "PacedResult", "Path", "PathSensitivity", "Plan", "Plane", "PointingStep", "Programme",
-    "Rendering", "Report", "RigStatus", "Run", "Runs", "SelfPairs", "Sensitivity", "Simulated",
-    "Straightened", "StrawberryResult", "Surface", "Terms", "TomatoBranches", "TomatoResult",
-    "Torques", "Track", "Trajectory",
+    "PacedResult", "Path", "PathBlockers", "PathSensitivity", "Plan", "Plane", "PointingStep",
+    "Programme", "Rendering", "Report", "RigStatus", "Risks", "Run", "Runs", "SelfPairs",
+    "Sensitivity", "Simulated", "Straightened", "StrawberryResult", "Surface", "Terms",
+    "TomatoBranches", "TomatoResult", "Torques", "Track", "Trajectory",
 }  # fmt: skip
 # Objects and files, for which nothing but their own kind makes sense: what is none at all is the
 # type checker's business, as it is for `Robot(definition)`, which users do not call.

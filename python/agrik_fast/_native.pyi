@@ -32,6 +32,8 @@ __all__ = [
     "_panic",
     "branches",
     "check_solver",
+    "collision_near",
+    "collision_shifted_own",
     "csv_lines",
     "default_settings",
     "get_num_threads",
@@ -39,6 +41,7 @@ __all__ = [
     "ik_paced",
     "ik_record",
     "ik_result",
+    "motion_blockers",
     "motion_check",
     "motion_corners",
     "motion_plan",
@@ -1681,7 +1684,8 @@ class HarvestStation:
         """Decide for targets, and plan the ways from `start` into their postures.
 
         Besides the columns of `plan` the record has ``paths`` (as `motion_plan` returns them),
-        ``goals`` (all postures that were goals) and ``blockers_path`` (indices or None).
+        ``goals`` (all postures that were goals) and ``blockers_path``: None, or indices, what is
+        known of their number (codes as of `motion.Fewest`) and how many it is at least.
         """
 
     def blockers(
@@ -1766,6 +1770,41 @@ class HarvestProgramme:
 
 def harvest_words() -> tuple[list[str], list[str]]:
     """Return the names of the statuses and of the stages of a decision, at their codes."""
+
+def collision_near(
+    collider: Collider,
+    q: ArrayLike,
+    reach: ArrayLike,
+    within: ArrayLike,
+    own: ArrayLike,
+    threads: int | None = None,
+) -> dict[str, Any]:
+    """List all objects and pairs of bodies that are near at joint values, shape (n, dof).
+
+    Objects no farther from a body than `within`, shape (n, bodies), and pairs of bodies nearer
+    than `own`, shape (n,), m. Columns of one entry each: ``row``, ``body``, ``other`` (index of
+    the object; -1 less the index of the other body of a pair), ``distance`` (m), ``motion`` (by
+    how much they come nearer to each other at most while joint values stay within `reach`,
+    shape (n, dof), m), ``on_body`` and ``normal`` (shape (k, 3), m, from the other to the
+    body), ``rates`` (how the distance changes with each joint value, shape (k, dof)).
+    """
+
+def collision_shifted_own(
+    collider: Collider, q: ArrayLike, shifts: ArrayLike, threads: int | None = None
+) -> NDArray[np.float64]:
+    """Distance of the nearest pair of bodies at joint values (n, dof), m.
+
+    The bodies of each posture are shifted by vectors, shape (n, bodies, 3), m.
+    """
+
+def motion_blockers(
+    collider: Collider, start: ArrayLike, goals: ArrayLike, settings: dict[str, Any]
+) -> dict[str, Any] | None:
+    """Find the fewest removable objects without which there is a path to one of some goals.
+
+    See `agrik_fast.motion.blockers`; ``objects`` are indices, ``path`` is as `motion_plan`
+    returns it. None where no path is found without all of them.
+    """
 
 def motion_check(
     collider: Collider,

@@ -82,6 +82,7 @@ def write_paths(
             "q": path.path.tolist(),
             "clearance_m": path.clearance.tolist(),
             "blockers_path": one.blockers_path,
+            "blockers_fewest": None if one.blockers_fewest is None else one.blockers_fewest.name,
         }
         for one, path in zip(decided, decided.paths, strict=True)
     ]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .._checks import FloatArray, word
 from .._tables import Tabular, joint_columns
 from ..errors import ArgumentError
-from ..motion import Plan
+from ..motion import Fewest, Plan
 
 __all__ = ["Attempt", "Decision", "Decisions", "Stage", "Status"]
 
@@ -141,8 +141,12 @@ class Decision:
         The way into a posture, where it was asked for; it ends in `q`, or in another admissible
         posture where no way leads there.
     blockers_path : tuple of str or None
-        Few removable objects without which a path is found, where there is a posture and no
-        path; None where that does not help, or there is nothing to help.
+        The fewest removable objects without which a path is found, where there is a posture and
+        no path; None where that does not help, or there is nothing to help.
+    blockers_fewest : motion.Fewest or None
+        What is known of their number.
+    blockers_at_least : int or None
+        With fewer no path was found.
 
     Examples
     --------
@@ -172,6 +176,8 @@ class Decision:
     attempts: tuple[Attempt, ...]
     path: Plan | None = None
     blockers_path: tuple[str, ...] | None = None
+    blockers_fewest: Fewest | None = None
+    blockers_at_least: int | None = None
 
     @property
     def ok(self) -> bool:
@@ -288,7 +294,6 @@ class Decisions(Tabular):
             target = self.names.index(target)
         k = range(len(self))[target]
         of = {name: column[k] for name, column in self.columns.items() if name != "attempts"}
-        path, blockers = of.get("paths"), of.get("blockers_path")
         return Decision(
             name=self.names[k],
             status=Status(of["status"]),
@@ -301,8 +306,10 @@ class Decisions(Tabular):
             open=int(of["open"]),
             singular=int(of["singular"]),
             attempts=tuple(self._attempts(k)),
-            path=path,
-            blockers_path=blockers,
+            path=of.get("paths"),
+            blockers_path=of.get("blockers_path"),
+            blockers_fewest=of.get("blockers_fewest"),
+            blockers_at_least=of.get("blockers_at_least"),
             **{
                 name: float(of[name])
                 for name in (

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from .._checks import finite_array, shown, truth_value, word
 from ..collision import Scene
 from ..errors import ArgumentError
-from ..motion import Plan
+from ..motion import Fewest, Plan
 from ..motion import Settings as PathSettings
 from ..robot import Robot
 from ._decisions import Decisions
@@ -79,7 +79,8 @@ def plan(
     -------
     Decisions
         With `path`, each `Decision` has a ``path``, and ``blockers_path`` where there is a
-        posture and no path.
+        posture and no path: the fewest removable objects without which there is a path into a
+        posture, which may be another one that they leave room for.
 
     Raises
     ------
@@ -146,10 +147,12 @@ def _with_paths(
     collider = scene.collider(robot)
     each = zip(columns.pop("goals"), columns["paths"], strict=True)
     columns["paths"] = [Plan.from_core(collider, goals, found) for goals, found in each]
+    told = columns["blockers_path"]
     columns["blockers_path"] = [
-        None if found is None else tuple(scene.names[k] for k in found)
-        for found in columns["blockers_path"]
+        None if found is None else tuple(scene.names[k] for k in found[0]) for found in told
     ]
+    columns["blockers_fewest"] = [None if found is None else Fewest(found[1]) for found in told]
+    columns["blockers_at_least"] = [None if found is None else int(found[2]) for found in told]
     return Decisions(chosen.names, columns)
 
 

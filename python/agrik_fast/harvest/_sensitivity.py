@@ -20,6 +20,8 @@ def sensitivity(
     target: str | Target | ArrayLike,
     q: ArrayLike,
     errors: Errors | None = None,
+    *,
+    moving: ArrayLike | None = None,
 ) -> Sensitivity:
     """Work out how errors show at a posture, to first order.
 
@@ -33,6 +35,8 @@ def sensitivity(
     q : array_like, shape (dof,), rad and m
         The posture.
     errors : Errors, optional
+    moving : array_like, shape (dof,), optional
+        The direction in which each joint moved last; see `agrik_fast.motion.sensitivity`.
 
     Returns
     -------
@@ -52,7 +56,7 @@ def sensitivity(
     True
     """
     arm, minded = _minded(robot, scene, target)
-    return sensitivity_of(arm, minded, q, errors)
+    return sensitivity_of(arm, minded, q, errors, moving=moving)
 
 
 def simulate(
@@ -62,6 +66,7 @@ def simulate(
     q: ArrayLike,
     errors: Errors | None = None,
     *,
+    moving: ArrayLike | None = None,
     draws: int = 2000,
     seed: int = 0,
     threads: int | None = None,
@@ -74,6 +79,8 @@ def simulate(
         As for `sensitivity`.
     q : array_like, shape (dof,) or (m, dof), rad and m
         A posture, or those of a path: each draw's errors hold on all of it.
+    moving : array_like, shape (dof,), optional
+        As for `sensitivity`; along a path that before it.
     draws : int, default 2000
     seed : int, default 0
     threads : int, optional
@@ -96,7 +103,9 @@ def simulate(
     (200,)
     """
     arm, minded = _minded(robot, scene, target)
-    return simulate_of(arm, minded, q, errors, draws=draws, seed=seed, threads=threads)
+    return simulate_of(
+        arm, minded, q, errors, moving=moving, draws=draws, seed=seed, threads=threads
+    )
 
 
 def _minded(

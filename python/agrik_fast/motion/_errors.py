@@ -31,7 +31,8 @@ class Errors:
         Of each length of the arm that is not zero: those of its Denavit-Hartenberg rows or
         of its joints' origins, and the tool's along its own z axis.
     backlash : float, default 0, rad
-        Play of turning joints, all of it; its direction is not known.
+        Play of turning joints, all of it. It counts as even unless the direction of the last
+        move is given (``moving``): a joint then stands half of it behind.
     vision : float, default 5e-3, m
         Of where the scene is seen, in each direction; it is off as a whole.
     camera : float, default 0, rad

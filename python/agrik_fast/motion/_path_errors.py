@@ -12,8 +12,10 @@ from .._checks import FloatArray, real_number
 from ..collision import Scene
 from ..errors import ArgumentError
 from ..robot import JointPath, Path, Robot
+from ._case import Case, phi, ratio
 from ._errors import Errors
-from ._sensitivity import Case, phi
+from ._play import followed, moved_last
+from ._risks import Risks, risks
 from ._trajectory import Trajectory
 
 __all__ = ["PathSensitivity", "path_sensitivity"]
@@ -47,6 +49,9 @@ class PathSensitivity:
         Standard deviation of the clearance, to first order, at the middle.
     guaranteed : ndarray, shape (m, n), m
         What is left of the clearance if no error is larger than its standard deviation.
+    risks : Risks
+        All that may be met on each segment, the most probable first: the interval counts at
+        which it is, as the same errors hold all along.
 
     Examples
     --------
@@ -66,6 +71,7 @@ class PathSensitivity:
     clearance: FloatArray
     deviation: FloatArray
     guaranteed: FloatArray
+    risks: Risks
 
     @property
     def certified(self) -> float:
@@ -79,13 +85,27 @@ class PathSensitivity:
 
     @property
     def segment_free(self) -> FloatArray:
-        """Least probability that each segment stays free, shape (segments,): union over bodies."""
-        return np.asarray(np.maximum(0.0, 1.0 - self._failures()))
+        """Least probability that nothing is met on each segment, shape (segments,)."""
+        return np.asarray(np.maximum(0.0, 1.0 - self.risks.failures(self._segments)))
 
     @property
     def free(self) -> float:
-        """Least probability that the whole path stays free: union over segments and bodies."""
-        return max(0.0, 1.0 - float(self._failures().sum()))
+        """Least probability that nothing is met on the whole path: the union over `risks`.
+
+        It holds for any correlation, with each probability to first order.
+        """
+        return max(0.0, 1.0 - float(self.risks.failures(self._segments).sum()))
+
+    @property
+    def free_of_nearest(self) -> float:
+        """The same if each body could meet the object nearest to it alone.
+
+        With `clearance` as it is: where something is at risk `risks` looks more finely.
+        """
+        worst = np.full((self._segments, len(self.bodies)), np.inf)
+        # The same errors hold all along: of a body its worst interval counts.
+        np.minimum.at(worst, self.segment, ratio(self.clearance, self.deviation))
+        return max(0.0, 1.0 - float(phi(-worst).sum()))
 
     @property
     def nearest(self) -> float:
@@ -93,21 +113,11 @@ class PathSensitivity:
 
         The bound is that of the certified clearance, which may be less than the true one.
         """
-        return float(phi(self._ratios()).min(initial=1.0))
+        return float(phi(ratio(self.clearance, self.deviation)).min(initial=1.0))
 
-    def _ratios(self) -> FloatArray:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ratios = self.clearance / self.deviation
-        free = np.where(self.deviation > 0, ratios, np.inf)
-        return np.where(self.clearance > 0, free, -np.inf)
-
-    def _failures(self) -> FloatArray:
-        """Return the sum over bodies of how probably each hits, shape (segments,)."""
-        count = int(self.segment.max(initial=-1)) + 1
-        worst = np.full((count, len(self.bodies)), np.inf)
-        # The same errors hold all along: of a body its worst interval counts.
-        np.minimum.at(worst, self.segment, self._ratios())
-        return np.asarray(phi(-worst).sum(axis=1))
+    @property
+    def _segments(self) -> int:
+        return int(self.segment.max(initial=-1)) + 1
 
 
 def path_sensitivity(
@@ -116,6 +126,7 @@ def path_sensitivity(
     path: ArrayLike | JointPath | Path | Trajectory,
     errors: Errors | None = None,
     *,
+    moving: ArrayLike | None = None,
     resolution: float = 2e-3,
 ) -> PathSensitivity:
     """Work out how errors show along a path.
@@ -131,6 +142,11 @@ def path_sensitivity(
         smooth curves are then not looked at); or a motion as it is.
     errors : Errors, optional
         Default: `Errors()`.
+    moving : array_like, shape (dof,), optional
+        The direction in which each joint moved before the path: its sign counts, 0 where it is
+        not known. Play is then followed along the path: a joint stands half its play behind, and
+        where it turns round it stays until the play is taken up. Default: directions are not
+        known anywhere, and play counts as even.
     resolution : float, default 2e-3, m
         What the bodies move within half an interval at most, and so what the certified
         clearance may be less than the true one.
@@ -158,32 +174,43 @@ def path_sensitivity(
     """
     case = Case(arm, scene, errors)
     fine = real_number("resolution", resolution, 0.0, open_low=True, unit="m")
+    signs = moved_last(case, moving)
     if isinstance(path, Trajectory):
-        middles, reach, segment = _of_motion(case, path, fine)
+        middles, reach, segment, ends = _of_motion(case, path, fine)
+        start = path.at(np.zeros(1))[0][0]
     else:
         given = path.q if isinstance(path, JointPath | Path) else path
         waypoints = arm.joint_path(given).q
-        middles, reach, segment = _of_waypoints(case, waypoints, fine)
-    found = case.at(middles, reach)
-    moving = case.frames > 0
+        middles, reach, segment, ends = _of_waypoints(case, waypoints, fine)
+        start = waypoints[0]
+    play = None
+    # A motion is not straight, nor is where joints stand that are behind.
+    known = signs is not None and case.errors.backlash > 0
+    straight = not known and not isinstance(path, Trajectory)
+    half = ends - middles if straight else None
+    if signs is not None:
+        middles, reach, play = followed(case, middles, reach, ends, start, signs)
+    found = case.at(middles, reach, play)
+    moves = case.frames > 0
     return PathSensitivity(
         middles,
         segment,
-        tuple(name for name, moves in zip(case.names, moving, strict=True) if moves),
-        found.clearance[:, moving],
-        found.deviation[:, moving],
-        found.guaranteed[:, moving],
+        tuple(name for name, moved in zip(case.names, moves, strict=True) if moved),
+        found.clearance[:, moves],
+        found.deviation[:, moves],
+        found.guaranteed[:, moves],
+        risks(case, middles, found, reach=reach, play=play, segment=segment, half=half),
     )
 
 
-_Intervals = tuple[FloatArray, FloatArray, NDArray[np.int64]]
+_Intervals = tuple[FloatArray, FloatArray, NDArray[np.int64], FloatArray]
 
 
 def _of_waypoints(case: Case, waypoints: FloatArray, fine: float) -> _Intervals:
-    """Return middles, half widths and segments of intervals of straight segments."""
+    """Return middles, half widths, segments and ends of intervals of straight segments."""
     if len(waypoints) == 1:
-        return waypoints, np.zeros_like(waypoints), np.zeros(1, dtype=np.int64)
-    middles, reach, segment = [], [], []
+        return waypoints, np.zeros_like(waypoints), np.zeros(1, dtype=np.int64), waypoints
+    middles, reach, segment, ends = [], [], [], []
     total = 0
     for k, (a, b) in enumerate(itertools.pairwise(waypoints)):
         half = 0.5 * np.abs(b - a)
@@ -195,11 +222,13 @@ def _of_waypoints(case: Case, waypoints: FloatArray, fine: float) -> _Intervals:
         middles.append(a + shares[:, None] * (b - a))
         reach.append(np.broadcast_to(half / count, (count, len(a))))
         segment.append(np.full(count, k, dtype=np.int64))
-    return np.concatenate(middles), np.concatenate(reach), np.concatenate(segment)
+        ends.append(a + ((np.arange(count) + 1) / count)[:, None] * (b - a))
+    parts = (middles, reach, segment, ends)
+    return tuple(np.concatenate(part) for part in parts)  # type: ignore[return-value]
 
 
 def _of_motion(case: Case, trajectory: Trajectory, fine: float) -> _Intervals:
-    """Return middles, half widths and segments of intervals of a motion: one segment."""
+    """Return middles, half widths, segments and ends of intervals of a motion: one segment."""
     if trajectory.joint_names != case.arm.joint_names:
         expected = f"one of the joints {', '.join(case.arm.joint_names)}"
         raise ArgumentError("path", "a motion of other joints", expected)
@@ -215,7 +244,8 @@ def _of_motion(case: Case, trajectory: Trajectory, fine: float) -> _Intervals:
         reach = np.abs(velocities) * half + 0.5 * most * half**2
         moved = float(case.motion(middles, reach).max(initial=0.0))
         if moved <= fine:
-            return middles, reach, np.zeros(count, dtype=np.int64)
+            ends = trajectory.at(times + half)[0]
+            return middles, reach, np.zeros(count, dtype=np.int64), ends
         count *= 2
         _check_count(count)
 

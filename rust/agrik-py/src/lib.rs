@@ -35,6 +35,8 @@ mod _native {
     #[pymodule_export]
     use collision::distances::Distances;
     #[pymodule_export]
+    use collision::near::{collision_near, collision_shifted_own};
+    #[pymodule_export]
     use collision::scene::Scene;
     #[pymodule_export]
     use errors::_panic;
@@ -53,7 +55,7 @@ mod _native {
     #[pymodule_export]
     use motion::check::{motion_check, motion_corners, motion_words};
     #[pymodule_export]
-    use motion::plan::motion_plan;
+    use motion::plan::{motion_blockers, motion_plan};
     #[pymodule_export]
     use result::{IkResult, ik_result, statuses};
     #[pymodule_export]

@@ -317,7 +317,7 @@ def sensitivity_rows(scene: Scene, draws: int = 1500) -> list[list[Any]]:
                     1e3 * found.rms,
                     1e3 * drawn.rms,
                     found.nearest,
-                    found.free,
+                    found.free_of_nearest,
                     drawn.free,
                     1e3 * found.min_distance(0.99),
                 ]

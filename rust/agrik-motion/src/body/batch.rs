@@ -238,7 +238,7 @@ impl Collider {
     }
 
     /// Asks `ask` of each row of `q`, with room for `size` answers.
-    fn each<T: Send>(
+    pub(super) fn each<T: Send>(
         &self,
         q: &[f64],
         size: usize,

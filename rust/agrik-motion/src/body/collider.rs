@@ -1,5 +1,6 @@
 //! Bodies in a scene: what hits what, and what is nearest.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use agrik_compute::Allowed;
@@ -100,6 +101,25 @@ impl Collider {
         asked.sort_by_key(|body| std::cmp::Reverse(bodies.moved_by(*body)));
         let pairs = bodies.self_pairs().to_vec();
         Ok(Self { bodies, scene, exempt, zone, asked, pairs })
+    }
+
+    /// The same, with some objects out of the way.
+    ///
+    /// # Errors
+    ///
+    /// An index is none of an object.
+    pub fn without(&self, gone: &[usize]) -> Result<Self> {
+        let count = self.scene.objects().len();
+        if let Some(object) = gone.iter().find(|object| **object >= count) {
+            let expected = format!("objects, 0 to {count} - 1");
+            return Err(Error::argument("gone", expected, object));
+        }
+        let mut out = self.clone();
+        let zone = out.zone.iter_mut().flat_map(|(near, ..)| near);
+        for exempt in out.exempt.iter_mut().chain(zone) {
+            *exempt = exempt.and(gone.iter().copied(), count);
+        }
+        Ok(out)
     }
 
     /// The arm with its bodies.
@@ -278,6 +298,20 @@ impl Collider {
         }
     }
 
+    /// Every object that is `cap` (m) or less away from a body, the nearest first; none for a
+    /// body on the base.
+    pub(super) fn objects_within(&self, placed: &Placed, body: usize, cap: f64) -> Vec<Nearest> {
+        if self.bodies.moved_by(body) == 0 {
+            return Vec::new();
+        }
+        let exempt = self.exemption(placed, body);
+        let solid = &placed.solids()[body];
+        match self.covered(body, solid) {
+            None => self.scene.all_within(solid, exempt, cap),
+            Some(spheres) => spheres.objects_within(&self.scene, exempt, cap),
+        }
+    }
+
     /// The nearest pair of bodies, if they are `cap` (m) or less apart: the first of several.
     pub fn nearest_pair(&self, placed: &Placed, cap: f64) -> Option<Contact> {
         let mut best: Option<(f64, (usize, usize))> = None;
@@ -417,6 +451,30 @@ impl Spheres<'_> {
             }
         }
         best
+    }
+
+    /// [`Scene::all_within`] of all spheres: of each object what its nearest sphere says.
+    fn objects_within(&self, scene: &Scene, exempt: &Exemption, cap: f64) -> Vec<Nearest> {
+        let mut best: BTreeMap<usize, Nearest> = BTreeMap::new();
+        let mut open = vec![(0, 0)];
+        while let Some((level, index)) = open.pop() {
+            let Some(sphere) = self.sphere(level, index) else { continue };
+            if level < self.level {
+                if scene.hits_plain(&sphere, exempt, cap + self.beyond(level)) {
+                    open.extend((0..8).rev().map(|child| (level + 1, 8 * index + child)));
+                }
+                continue;
+            }
+            for found in scene.all_within(&sphere, exempt, cap) {
+                let least = best.entry(found.object).or_insert(found);
+                if found.distance < least.distance {
+                    *least = found;
+                }
+            }
+        }
+        let mut all: Vec<Nearest> = best.into_values().collect();
+        all.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.object.cmp(&b.object)));
+        all
     }
 
     /// [`Scene::margin`] of the sphere that has least.

@@ -8,9 +8,9 @@ use std::collections::BTreeSet;
 
 use agrik::kinematics::{FRAME, moving_frames};
 use agrik_compute::allowed::is_measure;
-use agrik_solids::Solid;
 
 use super::aim::{Aim, Approach, Target, last_frame};
+use super::openings::{gather, needed_by_the_gripper};
 use super::settings::{Settings, evenly};
 use super::station::Station;
 use super::table::{Room, Row, postures};
@@ -47,18 +47,10 @@ pub fn blockers(
         return Ok(None);
     }
     let aim = Aim::new(station, target)?;
-    let tail = &station.chain().compiled().tail;
     let mut approaches: Vec<(BTreeSet<usize>, Approach)> = Vec::new();
     for psi in settings.psis() {
         let approach = Approach::level(psi);
-        let last = last_frame(&approach.pose(target.point), tail);
-        let bodies: Vec<(usize, Solid)> = station.hard(&last).collect();
-        let mut set = BTreeSet::new();
-        let free = bodies.iter().all(|(body, solid)| {
-            !station.around.hits_static(*body, solid)
-                && gather(&aim, *body, solid, settings.min_distance, usize::MAX, &mut set)
-        });
-        if free {
+        if let Some(set) = needed_by_the_gripper(&aim, &approach, settings) {
             approaches.push((set, approach));
         }
     }
@@ -83,28 +75,6 @@ pub fn blockers(
         exact,
         row,
     }))
-}
-
-/// Adds the removable objects that a body has within a distance; false where another object is
-/// within it as well, or there are more than `most`.
-fn gather(
-    aim: &Aim<'_>,
-    body: usize,
-    solid: &Solid,
-    within: f64,
-    most: usize,
-    set: &mut BTreeSet<usize>,
-) -> bool {
-    let objects = aim.station.around.scene.objects();
-    let mut possible = true;
-    aim.station.around.each_within((body, solid), aim.exempt(body), within, |object| {
-        if objects[object].removable {
-            set.insert(object);
-        } else {
-            possible = false;
-        }
-    });
-    possible && set.len() <= most
 }
 
 struct Search<'a, 's> {

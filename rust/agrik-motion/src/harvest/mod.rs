@@ -18,6 +18,7 @@ mod approach;
 mod batch;
 mod blockers;
 mod decide;
+mod openings;
 mod paths;
 mod programme;
 mod recovery;

@@ -8,11 +8,12 @@ use agrik_compute::threads::share;
 use super::aim::{Aim, Approach, Target};
 use super::approach::open;
 use super::decide::{Decision, Status, decide};
+use super::openings::openings;
 use super::scan::table;
 use super::settings::Settings;
 use super::station::Station;
 use super::table::{Row, order};
-use crate::planners::{self, PathBlockers, PathStatus, Planned};
+use crate::planners::{self, Ends, PathBlockers, PathStatus, Planned};
 use crate::{Collider, Error, Result, Touch};
 
 /// Rounds of the trees with the goals of the first approach, before those of all others are
@@ -136,11 +137,30 @@ fn one(
         path.checks += before;
     }
     let no_way = matches!(path.status, PathStatus::NoPathFound | PathStatus::PathImpossible);
-    let blockers = if no_way && picking.blockers {
-        planners::blockers(|gone| around.without(gone), start, &goals, &around.removable(), &quick)?
-    } else {
-        None
-    };
+    let mut blockers = None;
+    if no_way && picking.blockers {
+        let level = settings.psis().into_iter().map(Approach::level);
+        // A first approach that is tilted or shifted is none of the level ones.
+        let others = std::iter::once(first).filter(|one| *one != Approach::level(one.psi));
+        let approaches: Vec<Approach> = others.chain(level).collect();
+        let open = openings(station, target, &approaches, settings)?;
+        let ends = flat(&open.rows);
+        let to = Ends { goals: &ends, needs: &open.needs };
+        let without = |gone: &[usize]| collider.without(gone);
+        let known = path.status;
+        blockers = planners::blockers(without, start, to, &around.removable(), known, plan)?;
+        // A way was met with that nothing stands in.
+        if let Some(found) = blockers.take_if(|found| found.objects.is_empty()) {
+            let before = path.checks;
+            path = found.path;
+            path.checks += before;
+            if let Some(goal) = path.goal {
+                let q = &ends[goal * start.len()..][..start.len()];
+                path.goal = Some(goals.len() / start.len());
+                goals.extend_from_slice(q);
+            }
+        }
+    }
     Ok(Picked { decision, path, goals, blockers })
 }
 
@@ -190,17 +210,9 @@ impl<'a> Around<'a> {
     }
 
     fn collider(&self) -> Result<Collider> {
-        self.without(&[])
-    }
-
-    /// The same with some objects out of the way.
-    fn without(&self, gone: &[usize]) -> Result<Collider> {
         let around = &self.station.around;
-        let mut skip = self.skip.clone();
-        let bodies = 0..around.bodies.len();
-        skip.extend(bodies.flat_map(|body| gone.iter().map(move |object| (body, *object))));
         let (bodies, scene) = (Arc::clone(&around.bodies), Arc::clone(&around.scene));
-        Collider::new(bodies, scene, &skip, Some(&self.touch))
+        Collider::new(bodies, scene, &self.skip, Some(&self.touch))
     }
 
     fn removable(&self) -> Vec<usize> {

@@ -13,6 +13,7 @@ mod cheap;
 mod connect;
 mod cut;
 mod goals;
+mod hitting;
 mod line;
 mod metric;
 mod plan;
@@ -21,7 +22,7 @@ mod tree;
 mod words;
 
 pub use ask::{Ask, Settings};
-pub use blockers::{PathBlockers, blockers};
+pub use blockers::{Ends, Fewest, PathBlockers, blockers};
 pub use cut::{Cut, cut};
 pub use metric::Metric;
 pub use plan::{Planned, plan};

@@ -34,7 +34,7 @@ impl Collider {
     }
 
     /// Asks about rows of joint values with the interpreter released.
-    fn ask<T: Send>(
+    pub fn ask<T: Send>(
         py: Python<'_>,
         ask: impl FnOnce(&mut dyn FnMut() -> bool) -> Result<T, Error> + Send,
     ) -> PyResult<T> {

@@ -4,5 +4,6 @@ pub mod bodies;
 pub mod collider;
 pub mod distances;
 pub mod guard;
+pub mod near;
 mod rows;
 pub mod scene;

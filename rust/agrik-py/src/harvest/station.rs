@@ -165,7 +165,10 @@ impl HarvestStation {
         let goals =
             each.clone().map(|one| array(py, &[one.goals.len() / DOF, DOF], one.goals.clone()));
         out.set_item("goals", goals.collect::<PyResult<Vec<_>>>()?)?;
-        let blockers = each.map(|one| one.blockers.as_ref().map(|found| found.objects.clone()));
+        let blockers = each.map(|one| {
+            let found = one.blockers.as_ref();
+            found.map(|found| (found.objects.clone(), found.fewest as u8, found.at_least))
+        });
         out.set_item("blockers_path", blockers.collect::<Vec<_>>())?;
         Ok(out)
     }

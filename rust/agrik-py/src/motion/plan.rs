@@ -1,6 +1,10 @@
 //! Plans of paths.
 
-use agrik_motion::planners::{Cut, Planned, plan};
+use std::collections::BTreeSet;
+
+use agrik_motion::planners::{
+    Cut, Ends, Fewest, PathBlockers, PathStatus, Planned, blockers, plan,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -30,6 +34,53 @@ pub fn motion_plan<'py>(
     let values = goals.values()?;
     let found = py.detach(|| plan(&core, &start, values, &settings));
     planned(py, &found.map_err(|error| errors::from_core(py, error))?, dof)
+}
+
+/// The fewest removable objects without which a path is found, with what is known of their
+/// number and with the path; `None` where none is found without all of them.
+#[pyfunction]
+pub fn motion_blockers<'py>(
+    collider: &Bound<'py, Collider>,
+    start: &Bound<'py, PyAny>,
+    goals: &Bound<'py, PyAny>,
+    settings: &Bound<'py, PyDict>,
+) -> PyResult<Option<Bound<'py, PyDict>>> {
+    let py = collider.py();
+    let core = collider.get().core();
+    let dof = core.bodies().chain().dof();
+    let start = posture("start", start, dof)?;
+    let goals = Floats::new("goals", goals)?;
+    if goals.shape().len() != 2 || goals.shape()[1] != dof {
+        return Err(wrong_shape(py, "goals", goals.shape(), &format!("(m, {dof})")));
+    }
+    let settings = settings::read(settings)?;
+    let values = goals.values()?;
+    let objects = core.scene().objects();
+    let removable: Vec<usize> = (0..objects.len()).filter(|k| objects[*k].removable).collect();
+    let found = py.detach(|| {
+        let path = plan(&core, &start, values, &settings)?;
+        if path.status == PathStatus::Ok {
+            let (fewest, checks) = (Fewest::Proven, path.checks);
+            let objects = Vec::new();
+            return Ok(Some(PathBlockers { objects, path, fewest, at_least: 0, plans: 1, checks }));
+        }
+        let needs = vec![BTreeSet::new(); values.len() / dof];
+        let ends = Ends { goals: values, needs: &needs };
+        let without = |gone: &[usize]| core.without(gone);
+        blockers(without, &start, ends, &removable, path.status, &settings)
+    });
+    let found = found.map_err(|error| errors::from_core(py, error))?;
+    let told = |found: PathBlockers| {
+        let out = PyDict::new(py);
+        out.set_item("objects", found.objects)?;
+        out.set_item("fewest", found.fewest as u8)?;
+        out.set_item("at_least", found.at_least)?;
+        out.set_item("plans", found.plans)?;
+        out.set_item("checks", found.checks)?;
+        out.set_item("path", planned(py, &found.path, dof)?)?;
+        Ok(out)
+    };
+    found.map(told).transpose()
 }
 
 /// A plan's answer as a record.
