@@ -153,7 +153,7 @@ pub fn blockers(
         _ => Fewest::Searched,
     };
     let at_least = if stopped { at_least } else { size };
-    search.told(best, fewest, at_least).map(Some)
+    search.told(*best, fewest, at_least).map(Some)
 }
 
 /// A set of which one object at least has to go.
@@ -173,7 +173,7 @@ struct Way {
 }
 
 enum Look {
-    Way(Way),
+    Way(Box<Way>),
     Shut { proven: bool },
 }
 
@@ -225,7 +225,7 @@ impl<F: Fn(&[usize]) -> Result<Collider>> Search<'_, F> {
                 if let Some(goal) = path.goal {
                     objects.extend(self.ends.needs[goal].iter());
                 }
-                Ok(Look::Way(Way { objects, path }))
+                Ok(Look::Way(Box::new(Way { objects, path })))
             }
             PathStatus::StartInCollision | PathStatus::StartOutOfLimits => {
                 Ok(Look::Shut { proven: true })
@@ -269,7 +269,7 @@ impl<F: Fn(&[usize]) -> Result<Collider>> Search<'_, F> {
                 Some(Look::Way(way)) => {
                     ways.push(way.objects.clone());
                     if way.objects.len() < best.objects.len() {
-                        *best = way;
+                        *best = *way;
                         if best.objects.len() <= gone.len().max(1) {
                             return Ok(true);
                         }
