@@ -196,7 +196,7 @@ impl<'a> AnyArm<'a> {
         let chain = self.request.chain();
         let mut workspace = Workspace::<f64>::new(chain.compiled());
         let (free, _) = self.free();
-        let limits = free.map(|joint| &self.every.limits[joint]);
+        let bounds = Bounds::new(free.map(|joint| &self.every.limits[joint]));
         let mut q = vec![0.0; chain.dof()];
         let mut begin = 0;
         while begin < rows.len() {
@@ -206,7 +206,7 @@ impl<'a> AnyArm<'a> {
                 let row = begin + i;
                 let mut best: Option<(f64, [f64; 6])> = None;
                 for posture in found.sets[i].postures() {
-                    let (one, inside) = representatives(&limits, posture, &found.near[i]);
+                    let (one, inside) = bounds.representatives(posture, &found.near[i]);
                     let far = apart(&one, &found.near[i]);
                     if inside && best.is_none_or(|(known, _)| far < known) {
                         best = Some((far, one));
@@ -277,6 +277,7 @@ impl<'a> AnyArm<'a> {
         for (k, joint) in free.into_iter().take(joints).enumerate() {
             (limits[k], variables[k]) = (&every.limits[joint], every.order[joint]);
         }
+        let bounds = Bounds::new(limits);
         let (mut any, mut reached) = (false, 0);
         let all = &mut rows.q[i * count * dof..][..count * dof];
         for (b, q) in all.chunks_exact_mut(dof).enumerate() {
@@ -286,7 +287,7 @@ impl<'a> AnyArm<'a> {
             let exists = !bad && b < set.count;
             // The place of a branch that does not exist holds what it would be near.
             let (values, within) =
-                representatives(&limits, if exists { &set.q[b] } else { near }, near);
+                bounds.representatives(if exists { &set.q[b] } else { near }, near);
             for (variable, x) in variables.iter().zip(&values[..joints]) {
                 q[*variable] = *x;
             }
@@ -328,25 +329,43 @@ impl<'a> AnyArm<'a> {
     }
 }
 
-/// [`representative`] of each joint of a posture; whether all are within their limits.
-#[inline]
-fn representatives(limits: &[&Limit; 6], q: &[f64; 6], centre: &[f64; 6]) -> ([f64; 6], bool) {
-    let mut out = [0.0; 6];
-    let mut within = true;
-    // Mostly the nearest ones are, and then there is no more to do.
-    for k in 0..6 {
-        out[k] = q[k] + TAU * whole((centre[k] - q[k]) * (1.0 / TAU));
-        within &= limits[k].lower <= out[k] && out[k] <= limits[k].upper;
+/// Limits of six joints, their ends side by side.
+struct Bounds<'a> {
+    each: [&'a Limit; 6],
+    lower: [f64; 6],
+    upper: [f64; 6],
+}
+
+impl<'a> Bounds<'a> {
+    #[inline(always)]
+    fn new(each: [&'a Limit; 6]) -> Self {
+        Self { each, lower: each.map(|limit| limit.lower), upper: each.map(|limit| limit.upper) }
     }
-    if !within {
-        within = true;
+
+    /// [`representative`] of each joint of a posture; whether all are within their limits.
+    #[inline(always)]
+    fn representatives(&self, q: &[f64; 6], centre: &[f64; 6]) -> ([f64; 6], bool) {
+        let mut out = [0.0; 6];
+        let mut within = true;
+        // Mostly the nearest ones are, and then there is no more to do.
+        for k in 0..6 {
+            out[k] = q[k] + TAU * whole((centre[k] - q[k]) * (1.0 / TAU));
+            within &= (self.lower[k] <= out[k]) & (out[k] <= self.upper[k]);
+        }
+        if within { (out, true) } else { self.others(q, centre) }
+    }
+
+    /// The same where some nearest one is outside.
+    #[inline(never)]
+    fn others(&self, q: &[f64; 6], centre: &[f64; 6]) -> ([f64; 6], bool) {
+        let (mut out, mut within) = ([0.0; 6], true);
         for k in 0..6 {
             let inside;
-            (out[k], inside) = representative(limits[k], q[k], centre[k]);
+            (out[k], inside) = representative(self.each[k], q[k], centre[k]);
             within &= inside;
         }
+        (out, within)
     }
-    (out, within)
 }
 
 /// A joint value less whole turns: within the limits if any is, and then the nearest to a centre
