@@ -198,9 +198,11 @@ def test_task_that_needs_more_than_points(call):
 
 
 def test_wrong_tool(call, pose):
-    with pytest.raises(ArgumentError, match=r"^`tool`: expected shape \(4, 4\).*, got shape \(5,\)"):
+    with pytest.raises(
+        ArgumentError, match=r"^`tool`: expected shape \(4, 4\).*, got shape \(5,\)"
+    ):
         call(pose, tool=np.zeros(5))
-    with pytest.raises(ArgumentError, match=r"^`tool`: expected a rigid transform.*, got last row"):
+    with pytest.raises(ArgumentError, match=r"^`tool`: expected a rigid transform.*got last row"):
         call(pose, tool=np.zeros((4, 4)))
     with pytest.raises(ArgumentError, match=r"^`tool`: expected a rigid transform.*, got NaN"):
         call(pose, tool=np.full((4, 4), np.nan))
