@@ -417,7 +417,7 @@ class Chain:
         tolerance_frame: str | None = None,
         locked: Mapping[str, ArrayLike] | None = None,
         sweep: int | None = None,
-        wrap: bool = False,
+        wrap: bool | None = None,
         task: object = None,
         invalid: str | None = None,
     ) -> Branches:

@@ -311,6 +311,25 @@ proptest! {
     }
 }
 
+/// A segment along a sheet that it is all but parallel to: where it leaves the sheet, rounding is
+/// more than the slope of the distance (found by the cases above).
+#[test]
+fn a_segment_along_a_sheet_is_as_far_as_its_nearest_point() {
+    let t = 4.394803724810822e-8;
+    let rotation = [
+        [0.999_999_999_999_999, -t, -9.657149889805546e-16],
+        [t, 0.999_999_999_999_998_1, t],
+        [-9.657149889805546e-16, -t, 0.999_999_999_999_999],
+    ];
+    let (centre, half) = ([0.0, -0.33598122052266943, 0.0], [0.0, 0.25, 0.25]);
+    let sheet = Solid::from(Cuboid::new(centre, half, rotation).unwrap());
+    let known = Known::Box { centre, half, rotation };
+    let (a, b) = ([0.0, -0.8091655812356102, -0.763084308416915], [0.0, -0.5, 0.35862167962255764]);
+    let found = distance(&capsule(a, b, 0.0), &sheet);
+    let expected = distance_of_hulls(&known.extremes(), &[a, b]);
+    assert!((found - expected).abs() < 1e-6 * expected, "{found} {expected}");
+}
+
 fn capsule(a: Point, b: Point, radius: f64) -> Solid {
     Solid::capsule(a, b, radius).unwrap()
 }

@@ -15,10 +15,10 @@ use crate::shapes::{Cuboid, Segment};
 #[inline(always)]
 pub fn share<N: Arithmetic>(from: &[N; 3], way: &[N; 3], half: &[N; 3]) -> N {
     let (zero, one) = (N::splat(0.0), N::splat(1.0));
-    // Half the slope of the square of the distance.
-    let slope = |t: N| {
+    // Half the slope of the square of the distance, without one axis.
+    let slope = |t: N, without: usize| {
         let mut sum = zero;
-        for k in 0..3 {
+        for k in (0..3).filter(|k| *k != without) {
             let at = way[k].mul_add(t, from[k]);
             let within = at.max(-half[k]).min(half[k]);
             sum = way[k].mul_add(at - within, sum);
@@ -26,7 +26,7 @@ pub fn share<N: Arithmetic>(from: &[N; 3], way: &[N; 3], half: &[N; 3]) -> N {
         sum
     };
     let (mut low, mut high) = (zero, one);
-    let (at_start, at_end) = (slope(zero), slope(one));
+    let (at_start, at_end) = (slope(zero, 3), slope(one, 3));
     let (mut low_slope, mut high_slope) = (at_start, at_end);
     let mut look = |t: N, slope: N| {
         let later = N::and(slope.le(zero), low.lt(t));
@@ -44,9 +44,12 @@ pub fn share<N: Arithmetic>(from: &[N; 3], way: &[N; 3], half: &[N; 3]) -> N {
         enters = t.min(u).max(enters);
         leaves = t.max(u).min(leaves);
         for t in [t, u] {
-            // Of a segment along the plane this is no number, and then 0.
-            let t = t.max(zero).min(one);
-            look(t, slope(t));
+            // Where it passes a plane of this axis, the axis has no part in the slope: what
+            // rounding makes of it may be larger than all the rest. A place that is not on the
+            // segment, or no number where it lies along the plane, decides nothing.
+            let on = N::and(zero.lt(t), t.lt(one));
+            let decides = N::select(on, slope(t, k), N::splat(f64::NAN));
+            look(N::select(on, t, zero), decides);
         }
     }
     let part = (-low_slope / (high_slope - low_slope)).max(zero).min(one);
