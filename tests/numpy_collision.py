@@ -96,20 +96,22 @@ def distance(one: Solid, other: Solid, near: float = np.inf) -> Matrix:
     if one.kind == "segment":
         one, other = other, one
     # One of them is a box. A nearest point of the other is on an edge of it, or inside a face,
-    # and then that of the box is a corner.
-    shape = np.broadcast_shapes(one.parts[0].shape, other.parts[0].shape)
+    # and then that of the box is on an edge: a corner, or where a rod passes through a plate.
+    reach = near + one.radius + other.radius
+    least = _from_edges(one, other, reach)
+    if other.kind == "box":
+        least = np.minimum(least, _from_edges(other, one, reach))
+    return least - one.radius - other.radius
+
+
+def _from_edges(core: Solid, other: Solid, near: float) -> Matrix:
+    """Return the least distance of a core from the edges of another; of far ones a bound."""
+    shape = np.broadcast_shapes(core.parts[0].shape, other.parts[0].shape)
     starts, ends = (
         np.stack([np.broadcast_to(end, shape) for end in each])
         for each in zip(*other.edges(), strict=True)
     )
-    reach = near + one.radius + other.radius
-    least = _along(one, starts, ends, reach).min(axis=0)
-    if other.kind == "box":
-        # Its edges along one axis have all its corners.
-        for edge in itertools.islice(one.edges(), 4):
-            for corner in edge:
-                least = np.minimum(least, other.distance_of(corner))
-    return least - one.radius - other.radius
+    return _along(core, starts, ends, near).min(axis=0)
 
 
 def _between_segments(a: Matrix, b: Matrix, c: Matrix, d: Matrix) -> Matrix:

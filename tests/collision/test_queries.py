@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import agrik_fast as ik
@@ -291,6 +291,10 @@ def plain(shape: Sphere | Capsule | Box) -> numpy_collision.Solid:
     return numpy_collision.Solid("box", parts, shape.radius)
 
 
+# A rod through a plate, neither of whose edges is near.
+@example(
+    Box((0, 0, 0), (0, 0, 0.5), rotation((0, 1, 0)), 0), Box((0, 0, 0), (0, 0.5, 0.5), np.eye(3), 0)
+)
 @given(solids, solids)
 def test_pairs_of_solids(one: Sphere | Capsule | Box, other: Sphere | Capsule | Box) -> None:
     arm = ik.Robot.from_dh([[0, 0, 0, 0]]).with_bodies([Body("body", 1, one)])

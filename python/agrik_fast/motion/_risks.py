@@ -84,6 +84,17 @@ class Risks:
         Returns
         -------
         ndarray
+
+        Examples
+        --------
+        >>> from agrik_fast import Robot, motion
+        >>> from agrik_fast.collision import Scene, SceneObject, Sphere
+        >>> scene = Scene([SceneObject.of("ball", Sphere([0.9, 0.0, 0.5], 0.05))])
+        >>> arm = Robot.load("panda")
+        >>> start = arm.joint_values({"panda_joint4": -2.0, "panda_joint6": 2.0})
+        >>> found = motion.path_sensitivity(arm, scene, [start, start + 0.1, start + 0.2])
+        >>> found.risks.failures(2).shape
+        (2,)
         """
         counts = np.bincount(self.segment, weights=self.hit, minlength=segments)
         return np.asarray(counts, dtype=np.float64)
