@@ -116,9 +116,9 @@ def guess_report(rows: list[Guess]) -> list[str]:
         "",
         '"Converge quicker" holds for the AS: on table 3 it needs '
         f"{guess.iterations:.1f} iterations for home's {home.iterations:.1f}; not surely for the "
-        f"SSAS ({other.iterations:.1f}), which is no nearer in all five joint values. On targets of "
-        f"the whole box a start does more: from AS {far_guess.reached} of {far_guess.of} are reached, "
-        f"from home {far_home.reached}. All that is reached has the least energy.",
+        f"SSAS ({other.iterations:.1f}), which is no nearer in all five joint values. On targets "
+        f"of the whole box a start does more: from AS {far_guess.reached} of {far_guess.of} are "
+        f"reached, from home {far_home.reached}. All that is reached has the least energy.",
     ]
 
 
