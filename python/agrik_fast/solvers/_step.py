@@ -24,7 +24,7 @@ class LevenbergMarquardt(JacobianLoop):
     damping : float, default 0.1
         Share of half the squared error that is added to the diagonal; no unit, > 0.
     max_iterations : int, default 10
-    max_restarts : int, default 400
+    max_restarts : int, default 1500
     max_step : float, default 1.0
         The loop's, see `JacobianLoop`.
 
@@ -49,7 +49,7 @@ class LevenbergMarquardt(JacobianLoop):
     name: ClassVar[str] = "lm"
     damping: float = 0.1
     max_iterations: int = 10
-    max_restarts: int = 400
+    max_restarts: int = 1500
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -130,7 +130,7 @@ impl Settings {
     pub const LEVENBERG_MARQUARDT: Self = Self {
         step: Step::LevenbergMarquardt { damping: 0.1 },
         max_iterations: 10,
-        max_restarts: 400,
+        max_restarts: 1500,
         max_step: 1.0,
         plain: false,
         start: StartRule::Sampled,
