@@ -101,8 +101,9 @@ def _same_arm(
     ours, theirs = arm.fk(q), robot.fk(q)
     slip, turn_slip = arm.rounding(q)
     off = np.abs(ours - theirs)
-    # Offsets below 1e-12 of the arm may be left out.
-    wrong = (off[:, :3, 3].max(axis=1) > 8 * slip + 2e-12 * arm.length) | (
+    # Offsets below 1e-12 of the arm may be left out, one a joint and axis.
+    left_out = 2e-12 * arm.length * len(arm.joints)
+    wrong = (off[:, :3, 3].max(axis=1) > 8 * slip + left_out) | (
         off[:, :3, :3].max(axis=(1, 2)) > 8 * turn_slip
     )
     for row in np.flatnonzero(wrong)[:1]:
