@@ -248,3 +248,16 @@ def test_laws_that_run_away_return_angles_that_are_known():
     turned = poses[:, :3, :3].transpose(0, 2, 1) @ arm.fk(result.q)[:, :3, :3]
     cosine = (np.trace(turned, axis1=1, axis2=2) - 1) / 2
     assert np.allclose(np.cos(result.orientation_error), cosine, atol=1e-9)
+
+
+def test_a_place_met_after_all_is_brought_near_the_start():
+    """Ends of laws that meet the position first are solutions only at last (found by fuzzing)."""
+    arm = PUMA.with_limits([(-2 * np.pi, 2 * np.pi)] * 6)
+    rng = np.random.default_rng(6)
+    starts = rng.uniform(-0.9, 0.9, (600, 6))
+    poses = arm.fk(rng.uniform(-2, 2, (600, 6)))
+    poses[:, :3, :3] = arm.fk(rng.uniform(-3, 3, (600, 6)))[:, :3, :3]
+    tight = dict(position_tolerance=3e-3, orientation_tolerance=1e-9)
+    result = arm.ik(poses, solver="broyden", task=tasks.PositionFirst(), q0=starts, **tight)
+    assert result.success.mean() > 0.9
+    assert np.abs(result.q - starts)[result.success].max() < np.pi + 1e-9

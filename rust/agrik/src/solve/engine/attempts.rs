@@ -169,6 +169,13 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             }
         });
         if best.status != Status::Converged && self.setup.aim.puts_position_first() {
+            // An end that was no solution when it came has not been brought near the start.
+            let given = self.plan.request.start(job.row);
+            let most = self.setup.well_known(&job.goal);
+            for (i, (x, v)) in job.best_q.iter_mut().zip(&self.limits).enumerate() {
+                let about = given.map_or(v.middle, |start| v.reference(start[i], most));
+                *x = if v.winds { v.wound(*x, about) } else { *x };
+            }
             let mut at = Workspace::new(self.plan.request.chain().compiled());
             forward(self.plan.request.chain().compiled(), &job.best_q, &mut at);
             let goal = self.plan.request.goal(job.row);
