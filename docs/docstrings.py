@@ -68,8 +68,9 @@ def attributes_apart(lines: list[str]) -> list[str]:
 def put_right(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
     """Do so before napoleon reads them.
 
-    Of a line on an attribute it would take what stands before a colon for the type.
+    Of a line on an attribute it would take what stands before a colon for the type. It skips
+    empty lines first, so a comment of reStructuredText, which is not shown, stands before.
     """
     lines[:] = attributes_apart(lines)
     if what in ("attribute", "data", "property"):
-        lines.insert(0, "")
+        lines[:0] = ["..", ""]
