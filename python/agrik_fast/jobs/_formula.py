@@ -158,7 +158,7 @@ class FormulaSource:
     Parameters
     ----------
     place : str or path
-        A TOML file, see {doc}`/cluster`.
+        A TOML file; the page of clusters describes it.
 
     Raises
     ------

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["Prefer", "goals_of", "postures"]
 
 Prefer = Literal["near", "clearance"]
+"""Which goals come first: those near the start, or those with the most clearance."""
 
 # Postures that differ by less in every joint are one, rad or m.
 _DISTINCT = 0.05
