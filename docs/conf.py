@@ -121,7 +121,7 @@ def shorten(app, what, name, obj, options, signature, returned):
     """Write types by their last names; an arm is made by `Robot.load` and its like alone."""
     if name == "agrik_fast.Robot":
         return "", None
-    return tuple(docstrings.short(text or "") for text in (signature, returned))
+    return tuple(docstrings.linked(text or "") for text in (signature, returned))
 
 
 def without_text(app, what, name, member, skip, options):

@@ -10,10 +10,14 @@ from sphinx.application import Sphinx
 
 _SEVERAL = re.compile(r"(\w+(?:, \w+)+)( :.*)?")
 _MODULES = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])")
+# Types of this package, and those of others that are called like one of its own.
+_AMBIGUOUS = re.compile(r"\b(?=(?:agrik_fast|pathlib)\.)(?:[a-z_]\w*\.)+(?=[A-Z])")
 
 
 _CHECKED = re.compile(r"Annotated\[(.+?), [A-Z]\w*\(.*\)\]")
 _PRIVATE = re.compile(r"\b_[A-Z]")
+# Stands for a dot that stays.
+_DOT = "\0"
 
 
 def short(text: str) -> str:
@@ -21,10 +25,16 @@ def short(text: str) -> str:
     return _MODULES.sub("", text)
 
 
+def linked(text: str) -> str:
+    """Return types that are shown by their last names, and still tell `links` where they are."""
+    kept = _AMBIGUOUS.sub(lambda found: "~" + found[0].replace(".", _DOT), text)
+    return short(kept).replace(_DOT, ".")
+
+
 def of_attribute(text: str) -> str | None:
     """Return the type of an attribute as a reader knows it; None for a private name."""
-    found = _CHECKED.sub(r"\1", short(text))
-    return None if _PRIVATE.search(found) else found
+    found = _CHECKED.sub(r"\1", linked(text))
+    return None if _PRIVATE.search(short(found)) else found
 
 
 def name_types_shortly(objects: Iterable[Any]) -> None:

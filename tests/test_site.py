@@ -157,3 +157,28 @@ def test_the_citation_names_this_version(repo_root: Path) -> None:
 def test_what_a_repository_has_for_its_people_is_there(repo_root: Path) -> None:
     for name, words in (("SECURITY.md", "Report"), ("CODE_OF_CONDUCT.md", "When it is broken")):
         assert f"## {words}" in (repo_root / name).read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("target", "entry"),
+    [
+        ("agrik_fast.robot._path.Path", "agrik_fast.Path"),
+        ("pathlib.Path", None),
+        ("agrik_fast.vision._render.Scene", "agrik_fast.vision.Scene"),
+        ("agrik_fast._bodies._shapes.Sphere", "agrik_fast.collision.Sphere"),
+        ("agrik_fast._files.Place", None),
+        ("Place", None),
+    ],
+)
+def test_a_type_of_a_signature_is_linked_by_its_module(
+    target: str, entry: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("sphinx")
+    monkeypatch.syspath_prepend(Path(__file__).resolve().parents[1] / "docs")
+    import docstrings
+    import links
+
+    names = ["Path", "vision.Scene", "collision.Scene", "collision.Sphere", "arms.Place"]
+    assert links.of_type(target, [f"agrik_fast.{name}" for name in names]) == entry
+    shown = docstrings.linked(f"Mapping[str, {target}]")
+    assert shown == f"Mapping[str, {'~' * ('.' in target)}{target}]"

@@ -28,7 +28,7 @@ class AtomicFile:
 
     Parameters
     ----------
-    path : Path
+    path : path
         The destination; a symbolic link is followed.
     refuse : callable
         Makes the file's error from what is wrong.

@@ -201,7 +201,7 @@ class Archive:
 
     Parameters
     ----------
-    path : Path
+    path : path
     refuse : callable
         Makes the file's error from what is wrong.
     """

@@ -24,9 +24,9 @@ class MeshPlaces:
 
     Attributes
     ----------
-    folder : Path or None
+    folder : path or None
         That of the URDF; None if it came as text.
-    given : tuple of Path
+    given : tuple of path
         Folders that the caller named; those of packages are in them.
     """
 

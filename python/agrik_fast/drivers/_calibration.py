@@ -388,7 +388,7 @@ class Calibration(BaseModel):
 
         Parameters
         ----------
-        source : str or Path
+        source : str or path
             A file, or the name of a bundled one: ``"strawberry"``, ``"tomato"``.
         rig : str, optional
             The rig that it should be about.

@@ -91,7 +91,7 @@ class Link:
         How long to wait for an answer before the request is sent again.
     tries : int, default 5
         How often a request is sent; all of them together end before the board gives up.
-    log : Path, optional
+    log : path, optional
         File that every frame is written to; at 4 MiB it is renamed and begun anew, three are kept.
 
     Attributes

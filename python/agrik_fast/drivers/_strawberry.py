@@ -43,7 +43,7 @@ class StrawberryRig(Rig):
     ----------
     port : str or Transport, default "simulated"
         What pyserial takes; ``"simulated"`` starts the firmware in a simulator, with its plant.
-    calibration : str, Path or Calibration, optional
+    calibration : str, path or Calibration, optional
         File, or what was read from it; the bundled one by default.
     surroundings : Surroundings or None, optional
         Plant and bed, of which ways must stay clear; None for an empty bench.

@@ -39,7 +39,7 @@ class TomatoRig(Rig):
     ----------
     port : str or Transport, default "simulated"
         What pyserial takes; ``"simulated"`` starts the firmware in a simulator, with its plant.
-    calibration : str, Path or Calibration, optional
+    calibration : str, path or Calibration, optional
         File, or what was read from it; the bundled one by default.
     timeout, tries, log
         Of the `Link`.

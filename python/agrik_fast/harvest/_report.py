@@ -66,7 +66,7 @@ def write_report(
     Parameters
     ----------
     found : Evaluation
-    directory : Path
+    directory : path
         Made if it does not exist; files of these names are replaced.
     pictures : bool, default True
         Draw them too; needs Matplotlib.

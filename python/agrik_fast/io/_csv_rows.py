@@ -32,7 +32,7 @@ class CsvRows:
 
     Parameters
     ----------
-    path : Path
+    path : path
     refuse : callable
         Makes the file's error.
 

@@ -13,7 +13,7 @@ class DataFileError(AgrikError, ValueError):
 
     Attributes
     ----------
-    path : Path
+    path : pathlib.Path
         The file.
     reason : str
         What is wrong, with row and column where they are known; of several rows a line each.

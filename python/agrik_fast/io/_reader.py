@@ -27,7 +27,7 @@ class TargetReader(abc.ABC):
 
     Attributes
     ----------
-    path : Path
+    path : pathlib.Path
     is_pose : bool
         True if every target has an orientation.
     count : int or None

@@ -59,7 +59,7 @@ class SolveRequest:
     ----------
     robot : str
         Bundled name or path.
-    targets, output : Path
+    targets, output : pathlib.Path
         Files, whose kinds follow from their suffixes.
     task : {"position", "pose", "axis", "masked", "position-first"}, optional
         None: masked with a mask, else pose if the targets have orientations.

@@ -32,7 +32,7 @@ def reproduce(
     ----------
     name : str
         One of `PAPERS`.
-    directory : Path
+    directory : path
         Folder, made if need be; files of the same names are replaced.
     report : callable
         Told what is being worked on.
@@ -89,7 +89,7 @@ def reproduce_all(
 
     Parameters
     ----------
-    directory : Path
+    directory : path
         Folder, made if need be; each paper gets one of its own in it.
     report : callable
         Told what is being worked on.

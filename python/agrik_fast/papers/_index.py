@@ -39,7 +39,7 @@ def write_index(directory: Path, papers: Sequence[str]) -> Path:
 
     Parameters
     ----------
-    directory : Path
+    directory : path
         With a folder for each paper.
     papers : sequence of str
         Their names, in order.

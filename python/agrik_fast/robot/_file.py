@@ -299,7 +299,7 @@ def read(path: Path) -> RobotFile:
 
     Parameters
     ----------
-    path : Path
+    path : path
         TOML file.
 
     Returns

@@ -46,7 +46,7 @@ class Source:
 
     Attributes
     ----------
-    path : Path, optional
+    path : path, optional
         A robot file in TOML.
     urdf : str, optional
         The text of a URDF, if it is none.
@@ -54,7 +54,7 @@ class Source:
         What messages call it; empty for a text.
     is_bundled : bool
         The file is the package's own.
-    folder : Path, optional
+    folder : path, optional
         Where meshes are looked for.
     """
 

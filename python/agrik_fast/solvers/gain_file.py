@@ -367,7 +367,7 @@ def write(path: Path, content: GainFile, *, force: bool = True) -> None:
 
     Parameters
     ----------
-    path : Path
+    path : path
         Its name; a symbolic link is followed.
     content : GainFile
         What it holds.

@@ -74,7 +74,7 @@ def tune(
         The arm.
     tuning : Tuning
         What to tune and how.
-    checkpoint : Path, optional
+    checkpoint : path, optional
         File that keeps what the search knows, every few seconds, so that a run that was
         killed can go on; removed when the search is done and `store` has returned.
     resume : bool

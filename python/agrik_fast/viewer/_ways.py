@@ -139,7 +139,7 @@ def read_way(robot: Robot, path: Path) -> Way | FloatArray:
     Parameters
     ----------
     robot : Robot
-    path : Path
+    path : path
         A result file of ``agrik-fast solve`` for this arm, or a target file.
 
     Raises

@@ -123,7 +123,7 @@ def read_boxes(file: str | Path) -> dict[str, FloatArray]:
 
     Parameters
     ----------
-    file : str or Path
+    file : str or path
         With the columns image, left, top, right, bottom.
 
     Raises
@@ -154,9 +154,9 @@ def photographs(folder: str | Path, boxes: str | Path) -> Iterator[Photograph]:
 
     Parameters
     ----------
-    folder : str or Path
+    folder : str or path
         Of pictures; one without a row in `boxes` shows no ripe fruit.
-    boxes : str or Path
+    boxes : str or path
         A file as for `read_boxes`.
 
     Raises

@@ -66,7 +66,7 @@ def files(paths: Iterable[str | Path], rate: float = 30.0) -> Iterator[Frame]:
 
     Parameters
     ----------
-    paths : iterable of str or Path
+    paths : iterable of str or path
         Their names.
     rate : float, default 30.0, 1/s
         Pictures a second, by which they get their times.
@@ -98,7 +98,7 @@ def folder_images(path: str | Path) -> list[Path]:
 
     Parameters
     ----------
-    path : str or Path
+    path : str or path
         Its name; files of other suffixes than those of pictures are passed over.
 
     Raises

@@ -20,7 +20,7 @@ def read_numbers(
 
     Parameters
     ----------
-    file : Path
+    file : path
         Its name; lines that begin with # are passed over.
     columns : tuple of str
         Those that hold numbers.

@@ -36,7 +36,7 @@ def reproduce(directory: Path, report: Callable[[str], None] | None = None) -> l
 
     Parameters
     ----------
-    directory : Path
+    directory : path
         An existing folder, or one to be made.
     report : callable, optional
         Told in a few words what is being made.

@@ -25,7 +25,7 @@ def reproduce(
 
     Parameters
     ----------
-    directory : Path
+    directory : path
         Folder, made if need be; files of the same names are replaced.
     report : callable, optional
         Told what is being worked on.

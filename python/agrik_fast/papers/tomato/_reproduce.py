@@ -19,7 +19,7 @@ def reproduce(directory: Path, *, report: Callable[[str], None] | None = None) -
 
     Parameters
     ----------
-    directory : Path
+    directory : path
         Folder, made if need be; files of the same names are replaced.
     report : callable, optional
         Told what is being worked on.
