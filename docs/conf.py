@@ -136,4 +136,5 @@ def setup(app):
     app.connect("autodoc-process-docstring", docstrings.put_right, priority=100)
     app.connect("autodoc-process-signature", shorten)
     app.connect("autodoc-skip-member", without_text)
+    app.connect("doctree-read", links.exactly)
     app.connect("missing-reference", links.resolve)

@@ -30,13 +30,19 @@ def resolve(
     return make_refnode(app.builder, node["refdoc"], entry.docname, entry.node_id, content, full)
 
 
+def exactly(app: Sphinx, doctree: nodes.document) -> None:
+    """Keep Sphinx from looking through all modules for types of signatures, and for words."""
+    for node in doctree.findall(pending_xref):
+        if _in_signature(node) or _is_word(node):
+            node.attributes.pop("refspecific", None)
+
+
 def _entry(node: pending_xref, entries: list[str]) -> str | None:
     """Return the entry of the reference that a name means."""
     target = node["reftarget"]
     if _in_signature(node):
         return of_type(target, entries)
-    # A word such as `names` in the type of an argument is no attribute of that name.
-    if node["reftype"] == "class" and target.islower() and "." not in target and target != "dof":
+    if _is_word(node):
         return None
     holders = [node.get("py:class"), node.get("py:module")]
     for name in [f"{holder}.{target}" for holder in holders if holder] + [target]:
@@ -66,6 +72,12 @@ def of_type(target: str, entries: list[str]) -> str | None:
         if len(found) == 1:
             return found[0]
     return None
+
+
+def _is_word(node: pending_xref) -> bool:
+    """Whether it is a word of the type of an argument: `names` there is no attribute."""
+    target = node["reftarget"]
+    return node["reftype"] == "class" and target.islower() and "." not in target and target != "dof"
 
 
 def _in_signature(node: nodes.Node) -> bool:
