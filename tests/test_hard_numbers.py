@@ -257,7 +257,7 @@ def test_a_place_met_after_all_is_brought_near_the_start():
     starts = rng.uniform(-0.9, 0.9, (600, 6))
     poses = arm.fk(rng.uniform(-2, 2, (600, 6)))
     poses[:, :3, :3] = arm.fk(rng.uniform(-3, 3, (600, 6)))[:, :3, :3]
-    tight = dict(position_tolerance=3e-3, orientation_tolerance=1e-9)
+    tight = {"position_tolerance": 3e-3, "orientation_tolerance": 1e-9}
     result = arm.ik(poses, solver="broyden", task=tasks.PositionFirst(), q0=starts, **tight)
     assert result.success.mean() > 0.9
     assert np.abs(result.q - starts)[result.success].max() < np.pi + 1e-9

@@ -250,7 +250,11 @@ def _far_turns(
     # So is one whose last digits count beside a narrow tolerance of a large arm; how far that goes
     # is the solver's to say.
     lever = arm.length + np.linalg.norm(np.nan_to_num(request.poses[:, :3, 3]), axis=1)
-    tolerance = np.minimum(request.position_tolerance / lever, request.orientation_tolerance)
+    bounds = np.full(6, np.inf) if request.bounds is None else request.bounds
+    place, turn = np.min(bounds[:3]), np.min(bounds[3:])
+    tolerance = np.minimum(
+        min(place, request.position_tolerance) / lever, min(turn, request.orientation_tolerance)
+    )
     coarse = arm.turns & (np.abs(starts) > (tolerance / (64 * EPS))[:, None])
     # A turn of a joint that others follow is another posture.
     may_turn = arm.turns & ~arm.leads & success[:, None] & np.isfinite(starts) & ~coarse

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks import FloatArray
-from ._cone import Cone, cones_of_triples, fitted
+from ._cone import Cone, cones_of_triples, fitted, product
 
 __all__ = ["Outline", "spheres_of"]
 
@@ -83,12 +83,13 @@ class _Candidates:
 
     def off(self, outline: Outline) -> FloatArray:
         """Return by how much points are outside, rad, to first order, shape (k, n)."""
-        cosine = self.axes @ outline.rays.T
+        cosine = product(self.axes, outline.rays.T)
         return np.asarray((np.cos(self.alpha)[:, None] - cosine) / np.sin(self.alpha)[:, None])
 
     def along(self, outline: Outline) -> NDArray[np.bool_]:
         """Whether the outline runs along the circle, shape (k, n)."""
-        return np.asarray(self.axes @ outline.outward.T < -_ALONG * np.sin(self.alpha)[:, None])
+        cosine = product(self.axes, outline.outward.T)
+        return np.asarray(cosine < -_ALONG * np.sin(self.alpha)[:, None])
 
     def told(self, outline: Outline, near: float) -> FloatArray:
         """Return how well every candidate explains every point, 0 to 1, shape (k, n)."""
@@ -177,9 +178,10 @@ class _Search:
         middle = self.outline.rays.mean(axis=0)
         rays = self.outline.rays - middle
         weight = np.maximum(told.sum(axis=1), 1e-9)[:, None]
-        mean = told @ rays / weight
+        mean = product(told, rays) / weight
         squares = (rays[:, :, None] * rays[:, None, :]).reshape(-1, 9)
-        spread = (told @ squares / weight).reshape(-1, 3, 3) - mean[:, :, None] * mean[:, None, :]
+        spread = (product(told, squares) / weight).reshape(-1, 3, 3)
+        spread -= mean[:, :, None] * mean[:, None, :]
         normal = np.linalg.eigh(spread)[1][:, :, 0]
         along = np.einsum("ij,ij->i", normal, mean + middle)
         axes = normal * np.copysign(1.0, along)[:, None]
@@ -192,7 +194,7 @@ class _Search:
 def _unlike(told: FloatArray, price: FloatArray) -> NDArray[np.intp]:
     """Return the best candidates, without those that explain the same points as a better one."""
     worth = told.sum(axis=1) - price
-    shared = told @ told.T
+    shared = product(told, told.T)
     own = np.maximum(np.diag(shared), 1e-9)
     alike = shared > _ALIKE * np.maximum(own[:, None], own[None, :])
     kept: list[int] = []

@@ -24,6 +24,26 @@ _TRIPLES = 48
 _REFITS = 4
 # Lengths of w = 1 / cos(alpha): from a degree to 42 degrees.
 _SMALLEST, _LARGEST = 1.0001, 1.35
+# Multiplications of a matrix product that linear algebra does on one thread.
+_ONE_THREAD = 250_000
+
+
+def product(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return ``one @ other``, in pieces so small that no other thread is woken for them.
+
+    The threads of OpenBLAS wait for one another by spinning: for products of this size that is
+    several times the work.
+    """
+    rows = max(1, _ONE_THREAD // max(1, other.size))
+    out = np.empty((len(one), other.shape[1]))
+    for begin in range(0, len(one), rows):
+        np.matmul(one[begin : begin + rows], other, out=out[begin : begin + rows])
+    return out
+
+
+def along(rays: FloatArray, axis: FloatArray) -> FloatArray:
+    """Return how far rays (..., 3) go along an axis (3,); on one thread, as `product` is."""
+    return np.asarray(np.einsum("...j,j->...", rays, axis))
 
 
 @dataclass(frozen=True)
@@ -58,7 +78,7 @@ class Cone:
         >>> cone.off(np.array([[0.0, 0.0, 1.0]])).round(6).tolist()
         [-0.1]
         """
-        return np.asarray(np.arccos(np.clip(rays @ self.axis, -1, 1)) - self.alpha)
+        return np.asarray(np.arccos(np.clip(along(rays, self.axis), -1, 1)) - self.alpha)
 
 
 def cone_of_outline(rays: ArrayLike) -> Cone:
@@ -162,7 +182,7 @@ def best_cone(
     axes, alpha = cones_of_triples(few, _triples(len(few)), narrowest, widest)
     if not len(alpha):
         return None
-    off = np.abs(np.arccos(np.clip(axes @ few.T, -1, 1)) - alpha[:, None])
+    off = np.abs(np.arccos(np.clip(product(axes, few.T), -1, 1)) - alpha[:, None])
     best = int((off < tolerance).sum(axis=1).argmax())
     cone = Cone(axes[best], float(alpha[best]))
     on = np.abs(cone.off(rays)) < tolerance

@@ -14,7 +14,7 @@ from .._checks import FloatArray, finite_array, real_number, shown
 from ..errors import ArgumentError
 from ._camera import Camera
 from ._cluster import Outline, spheres_of
-from ._cone import Cone, best_cone
+from ._cone import Cone, along, best_cone
 from ._cv import opencv
 from ._images import Image, checked_image, of_kind, same_size
 from ._scenes import across, rim_of
@@ -401,7 +401,7 @@ class Detector:
         if on is None:
             on = np.abs(cone.off(rays)) < _ON_CONE_PX / camera.focal
         first, second = across(cone.axis)
-        turn = np.arctan2(rays[on] @ second, rays[on] @ first)
+        turn = np.arctan2(along(rays[on], second), along(rays[on], first))
         sectors = np.floor((turn / (2 * math.pi) + 0.5) * _SECTORS).astype(int) % _SECTORS
         cover = len(np.unique(sectors)) / _SECTORS
         # The outline runs through the outermost pixels inside: half a pixel more.
@@ -444,7 +444,7 @@ class Detector:
         part = self._around(axis, alpha)
         if part is None:
             return 0.0
-        inside = self.camera.grid_rays()[part] @ axis > math.cos(alpha)
+        inside = along(self.camera.grid_rays()[part], axis) > math.cos(alpha)
         count = int(inside.sum())
         return float((mask[part][inside] > 0).sum() / count) if count else 0.0
 
@@ -470,12 +470,12 @@ class Detector:
         if part is None or far >= math.pi / 2:
             return each
         rays = self.camera.grid_rays()[part]
-        cosine = rays @ each.axis
+        cosine = along(rays, each.axis)
         ring = (cosine < math.cos(near)) & (cosine > math.cos(far))
         red = ring & (mask[part] > 0)
         for other in found:
             if other.fill >= _ALL_RED and other.status != DetectionStatus.WEAK:
-                red &= rays @ other.axis < math.cos(1.06 * other.alpha)
+                red &= along(rays, other.axis) < math.cos(1.06 * other.alpha)
         if red.sum() <= _MOST_BEYOND * ring.sum():
             return each
         return replace(each, status=DetectionStatus.WEAK)
@@ -502,8 +502,9 @@ class Detector:
         cv2 = opencv()
         focal = self.camera.focal
         first, second = across(cone.axis)
-        depth = rays @ cone.axis
-        flat = focal * np.stack([rays @ first / depth, rays @ second / depth], axis=1)
+        depth = along(rays, cone.axis)
+        flat = np.stack([along(rays, first) / depth, along(rays, second) / depth], axis=1)
+        flat *= focal
         on = np.ones(len(flat), bool)
         for _ in range(4):
             if on.sum() < 12:

@@ -1,5 +1,7 @@
 //! What counts as reached: the task, how near is near enough, and with which tool.
 
+use std::f64::consts::TAU;
+
 use crate::Allowed;
 use crate::allowed::check_measures;
 use crate::chain::{Chain, Tail, UNLIMITED};
@@ -267,7 +269,8 @@ impl Aim {
     pub(crate) fn well_known(&self, size: f64, place: [f64; 3]) -> f64 {
         let Tolerance { position, orientation, .. } = self.tolerance.inner();
         let far = place.iter().fold(size, |far, x| far.max(x.abs())).max(f64::MIN_POSITIVE);
-        ((position / far).min(orientation) / ROUNDING).min(UNLIMITED)
+        // Within a turn there is none that is known better.
+        ((position / far).min(orientation) / ROUNDING).clamp(TAU, UNLIMITED)
     }
 
     /// What is left is near enough, for solvers.
