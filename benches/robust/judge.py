@@ -248,8 +248,11 @@ def _far_turns(
     with np.errstate(invalid="ignore"):
         starts = np.where(far_out, starts - TURN * np.round(starts / TURN), starts)
     # So is one whose last digits count beside a narrow tolerance of a large arm; how far that goes
-    # is the solver's to say.
-    lever = arm.length + np.linalg.norm(np.nan_to_num(request.poses[:, :3, 3]), axis=1)
+    # is the solver's to say, who counts the ways of slides as well.
+    slides = sum(joint.kind == "prismatic" for joint in arm.joints)
+    lever = 2 * (1 + slides) * arm.length + np.linalg.norm(
+        np.nan_to_num(request.poses[:, :3, 3]), axis=1
+    )
     bounds = np.full(6, np.inf) if request.bounds is None else request.bounds
     place, turn = np.min(bounds[:3]), np.min(bounds[3:])
     tolerance = np.minimum(
