@@ -14,6 +14,15 @@ use crate::collision::collider::Collider;
 use crate::convert::{Floats, array, wrong_shape};
 use crate::errors;
 
+/// Goals, shape (m, dof).
+fn goals_of<'py>(goals: &Bound<'py, PyAny>, dof: usize) -> PyResult<Floats<'py>> {
+    let read = Floats::new("goals", goals)?;
+    match *read.shape() {
+        [_, width] if width == dof => Ok(read),
+        _ => Err(wrong_shape(goals.py(), "goals", read.shape(), &format!("(m, {dof})"))),
+    }
+}
+
 /// Plan from a posture to one of some goals, the best first, shape (m, dof).
 #[pyfunction]
 pub fn motion_plan<'py>(
@@ -25,11 +34,7 @@ pub fn motion_plan<'py>(
     let py = collider.py();
     let core = collider.get().core();
     let dof = core.bodies().chain().dof();
-    let start = posture("start", start, dof)?;
-    let goals = Floats::new("goals", goals)?;
-    if goals.shape().len() != 2 || goals.shape()[1] != dof {
-        return Err(wrong_shape(py, "goals", goals.shape(), &format!("(m, {dof})")));
-    }
+    let (start, goals) = (posture("start", start, dof)?, goals_of(goals, dof)?);
     let settings = settings::read(settings)?;
     let values = goals.values()?;
     let found = py.detach(|| plan(&core, &start, values, &settings));
@@ -48,11 +53,7 @@ pub fn motion_blockers<'py>(
     let py = collider.py();
     let core = collider.get().core();
     let dof = core.bodies().chain().dof();
-    let start = posture("start", start, dof)?;
-    let goals = Floats::new("goals", goals)?;
-    if goals.shape().len() != 2 || goals.shape()[1] != dof {
-        return Err(wrong_shape(py, "goals", goals.shape(), &format!("(m, {dof})")));
-    }
+    let (start, goals) = (posture("start", start, dof)?, goals_of(goals, dof)?);
     let settings = settings::read(settings)?;
     let values = goals.values()?;
     let objects = core.scene().objects();

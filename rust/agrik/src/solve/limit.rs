@@ -82,6 +82,17 @@ pub(crate) fn wound(v: &Variable, x: f64, about: f64) -> f64 {
     if turns { Limit::of(v).wound(x, about) } else { x }
 }
 
+/// Takes the whole turns between angles and those nearest to the start values, or without any to
+/// the middle of the limits; no start beyond `most` where that can be helped.
+pub(super) fn bring_near(limits: &[Limit], q: &mut [f64], start: Option<&[f64]>, most: f64) {
+    for (i, (x, v)) in q.iter_mut().zip(limits).enumerate() {
+        if v.turns || v.winds {
+            let about = start.map_or(v.middle, |start| v.reference(start[i], most));
+            *x = v.wound(*x, about);
+        }
+    }
+}
+
 /// The limits of a plan: those of the joints, unless it has narrower ones.
 pub(super) fn limits(plan: &Plan<'_>) -> PerJoint<Limit> {
     match &plan.bounds {

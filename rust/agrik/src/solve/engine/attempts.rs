@@ -12,6 +12,7 @@ use crate::call::{AnswersMut, Guard, Left, Outcome, Prefer, Status};
 use crate::chain::Variable;
 use crate::kinematics::{PerJoint, Workspace, forward};
 use crate::lanes::Real;
+use crate::solve::limit::bring_near;
 use crate::solve::step::squared_norm;
 use crate::task::{Goal, Rows, TaskError};
 
@@ -149,11 +150,10 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         let mut best = job.best.unwrap_or_else(|| {
             let given = self.plan.request.start(job.row);
             let most = self.setup.well_known(&job.goal);
-            for (i, (x, v)) in job.best_q.iter_mut().zip(self.variables).enumerate() {
-                let (limit, near) = (&self.limits[i], v.near_zero());
-                let about = given.map_or(limit.middle, |start| limit.reference(start[i], most));
-                *x = if limit.turns || limit.winds { limit.wound(near, about) } else { near };
+            for (x, v) in job.best_q.iter_mut().zip(self.variables) {
+                *x = v.near_zero();
             }
+            bring_near(&self.limits, &mut job.best_q, given, most);
             let request = &self.plan.request;
             let mut at = Workspace::new(request.chain().compiled());
             forward(request.chain().compiled(), &job.best_q, &mut at);
@@ -172,10 +172,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             // An end that was no solution when it came has not been brought near the start.
             let given = self.plan.request.start(job.row);
             let most = self.setup.well_known(&job.goal);
-            for (i, (x, v)) in job.best_q.iter_mut().zip(&self.limits).enumerate() {
-                let about = given.map_or(v.middle, |start| v.reference(start[i], most));
-                *x = if v.winds { v.wound(*x, about) } else { *x };
-            }
+            bring_near(&self.limits, &mut job.best_q, given, most);
             let mut at = Workspace::new(self.plan.request.chain().compiled());
             forward(self.plan.request.chain().compiled(), &job.best_q, &mut at);
             let goal = self.plan.request.goal(job.row);
@@ -316,10 +313,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         if let Some((end, mut q)) = best {
             let given = self.plan.request.start(self.jobs[lane].row);
             let most = self.setup.well_known(&goal);
-            for (i, (x, v)) in q.iter_mut().zip(&self.limits).enumerate() {
-                let about = given.map_or(v.middle, |start| v.reference(start[i], most));
-                *x = if v.turns || v.winds { v.wound(*x, about) } else { *x };
-            }
+            bring_near(&self.limits, &mut q, given, most);
             if end.solved
                 && let Some(guard) = self.plan.request.guard()
             {

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::kinematics::{Workspace, forward};
 use crate::lanes::{Kernel, Level, Real, dispatch};
 use crate::random::Stream;
-use crate::solve::limit::limits;
+use crate::solve::limit::{bring_near, limits};
 use crate::solve::plan::Plan;
 use crate::solve::step;
 use crate::task::Goal;
@@ -359,10 +359,7 @@ impl<'e, R: Real> Search<'e, R> {
     fn consider(&mut self, goal: &Goal<f64>, start: Option<&[f64]>) {
         let plan = &self.evolution.plan;
         let most = plan.setup().well_known(goal);
-        for (i, v) in limits(plan).iter().enumerate().filter(|(_, v)| v.turns || v.winds) {
-            let about = start.map_or(v.middle, |start| v.reference(start[i], most));
-            self.q[i] = v.wound(self.q[i], about);
-        }
+        bring_near(&limits(plan), &mut self.q, start, most);
         forward(plan.request.chain().compiled(), &self.q, &mut self.workspace);
         let left = plan.request.left(&self.workspace, goal);
         let setup = plan.setup();
