@@ -72,10 +72,12 @@ impl Collider {
         let dof = self.dof();
         check_postures(self.bodies().chain(), q)?;
         let mut out = vec![false; q.len() / dof];
+        // All questions at once, so that the first of them knows whether a field is worth it.
+        self.scene().view(out.len() / WIDEST);
         let work = |(q, out): (&[f64], &mut [bool])| {
             let mut room = self.sifted();
             for (q, out) in q.chunks(dof * WIDEST).zip(out.chunks_mut(WIDEST)) {
-                let hits = self.hits_together(q, clear, 1, &mut room);
+                let hits = self.hits_together(q, clear, 0, &mut room);
                 for (row, to) in out.iter_mut().enumerate() {
                     *to = hits >> row & 1 != 0;
                 }

@@ -18,9 +18,6 @@ const SOME: usize = 64;
 /// is made for what is small.
 const LARGE: f64 = 0.1;
 
-/// After so many questions, of eight lanes each, a field is worth its making.
-const WORTH: usize = 800;
-
 /// One solid, in a box along the axes of the frame.
 #[derive(Debug, Clone)]
 pub struct Thing {
@@ -183,7 +180,8 @@ impl Surroundings {
                     Field::new(&spheres, self.origin)
                 };
                 let asked = |more| crowd.asked.fetch_add(more, Ordering::Relaxed) + more;
-                let field = if questions < WORTH && asked(questions) < WORTH {
+                let worth = Field::worth(crowd.spheres.len());
+                let field = if questions < worth && asked(questions) < worth {
                     crowd.field.get()
                 } else {
                     Some(crowd.field.get_or_init(made))
