@@ -2,7 +2,7 @@
 
 import functools
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import hypothesis
@@ -21,6 +21,16 @@ hypothesis.settings.load_profile("agrik_fast")
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Let `make rigs-full` ask for more than the tests usually do."""
     parser.addoption("--requests", type=int, default=500, help="requests on noisy lines")
+
+
+@pytest.fixture(autouse=True)
+def _threads_of_the_process() -> Iterator[None]:
+    """Let no test change how many threads the next ones use."""
+    before = agrik_fast.get_num_threads()
+    yield
+    left = agrik_fast.get_num_threads()
+    agrik_fast.set_num_threads(None)
+    assert left == before, f"{left} threads are left to the next test, not {before}"
 
 
 @pytest.fixture(scope="session")

@@ -21,7 +21,7 @@ from ..jobs import (
     Store,
     open_store,
     run_partition,
-    set_threads,
+    using_threads,
 )
 from ._calls import Place, open_source
 from ._dask import check_workers
@@ -201,5 +201,5 @@ def futures(
 
 
 def _one(assignment: Assignment, partition: Partition, store: Store) -> Finished:
-    set_threads(assignment.threads)
-    return run_partition(assignment, partition, store)
+    with using_threads(assignment.threads):
+        return run_partition(assignment, partition, store)

@@ -24,8 +24,9 @@ from ..jobs import (
     Partition,
     Store,
     about_process,
+    change_threads,
     run_partition,
-    set_threads,
+    using_threads,
 )
 from ._runner import Ended
 from ._worker import reason_of
@@ -158,7 +159,6 @@ def run_task(
     assignment: Assignment, partitions: Sequence[Partition], store: Store
 ) -> list[Finished | str]:
     """Work on partitions one after the other, in a worker; what fails is told, not raised."""
-    set_threads(assignment.threads)
     wanted = _wanted()
 
     def at_step(step: str) -> None:
@@ -166,14 +166,15 @@ def run_task(
             raise Cancelled
 
     ended: list[Finished | str] = []
-    for partition in partitions:
-        try:
-            ended.append(run_partition(assignment, partition, store, at_step))
-        except Cancelled:
-            ended.append("cancelled")
-            break
-        except Exception as error:
-            ended.append(reason_of(error))
+    with using_threads(assignment.threads):
+        for partition in partitions:
+            try:
+                ended.append(run_partition(assignment, partition, store, at_step))
+            except Cancelled:
+                ended.append("cancelled")
+                break
+            except Exception as error:
+                ended.append(reason_of(error))
     return ended
 
 
@@ -261,7 +262,7 @@ class DaskRunner:
                 wanted = self._assignment.threads * sum(threads[w] for w in beside) // sharing
                 if self._shared.get(worker, self._assignment.threads) != wanted:
                     self._shared[worker] = wanted
-                    self._client.run(set_threads, wanted, workers=[worker], wait=False)
+                    self._client.run(change_threads, wanted, workers=[worker], wait=False)
         except Exception:
             # It would have been quicker; what is wrong is told by `wait`.
             return

@@ -16,7 +16,16 @@ import threading
 from typing import Any, BinaryIO
 
 from ..errors import AgrikError
-from ..jobs import Cancelled, Partition, about_process, run_partition, set_threads
+from ..jobs import (
+    Assignment,
+    Cancelled,
+    Partition,
+    Store,
+    about_process,
+    change_threads,
+    run_partition,
+    using_threads,
+)
 
 GRACE_S = 1.0
 """Seconds that work which is given up has to leave nothing behind."""
@@ -65,8 +74,10 @@ class _Worker:
         setup = receive(self._orders)
         if setup is None:
             return
-        assignment, store = setup
-        set_threads(assignment.threads)
+        with using_threads(setup[0].threads):
+            self._work(*setup)
+
+    def _work(self, assignment: Assignment, store: Store) -> None:
         signal.signal(signal.SIGINT, self._interrupted)
         signal.signal(signal.SIGTERM, self._terminated)
         threading.Thread(target=self._listen, name="agrik-fast-orders", daemon=True).start()
@@ -97,7 +108,7 @@ class _Worker:
                 continue
             if isinstance(order, int):
                 # For the calls of the job that follow.
-                set_threads(order)
+                change_threads(order)
                 continue
             # "cancel", or nobody is there any more.
             self._cancelled.set()

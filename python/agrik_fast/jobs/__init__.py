@@ -4,7 +4,7 @@ from ._formula import FormulaSource
 from ._job import MIXED, Assignment, Done, Job, JobError, canonical, difference
 from ._partition import Cancelled, Finished, finished, run_partition
 from ._places import is_url, open_store
-from ._process import about_process, set_threads
+from ._process import about_process, change_threads, using_threads
 from ._progress import Progress, Silent
 from ._record import Record
 from ._robot_choice import RobotChoice
@@ -40,6 +40,7 @@ __all__ = [
     "Summary",
     "about_process",
     "canonical",
+    "change_threads",
     "difference",
     "faults_of",
     "finished",
@@ -47,7 +48,7 @@ __all__ = [
     "load_robot",
     "open_store",
     "run_partition",
-    "set_threads",
     "solve_file",
     "split_file",
+    "using_threads",
 ]

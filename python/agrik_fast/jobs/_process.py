@@ -2,18 +2,52 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.metadata
 import platform
 import sys
+import threading
+from collections.abc import Iterator
 
 import numpy as np
 
-from .._native import __version__, set_num_threads, simd_level
+from .._native import __version__, get_num_threads, set_num_threads, simd_level
+
+_at_work = 0
+"""How many pieces of work use threads of this process."""
+_before = 0
+"""What the process used before the first of them."""
+_lock = threading.Lock()
 
 
-def set_threads(threads: int) -> None:
-    """Let batch calls of this process use so many threads."""
-    set_num_threads(threads)
+@contextlib.contextmanager
+def using_threads(threads: int) -> Iterator[None]:
+    """Let batch calls of this process use so many threads, until all work like this has ended.
+
+    A worker may live in the process of the one who asks, whose own number is put back then.
+    """
+    global _at_work, _before
+    with _lock:
+        if _at_work == 0:
+            _before = get_num_threads()
+        _at_work += 1
+        set_num_threads(threads)
+    try:
+        yield
+    finally:
+        with _lock:
+            _at_work -= 1
+            if _at_work == 0:
+                set_num_threads(None)
+                if get_num_threads() != _before:
+                    set_num_threads(_before)
+
+
+def change_threads(threads: int) -> None:
+    """Let the work that is going on use so many threads from now on."""
+    with _lock:
+        if _at_work:
+            set_num_threads(threads)
 
 
 def about_process() -> dict[str, str]:
