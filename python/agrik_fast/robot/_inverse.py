@@ -621,7 +621,7 @@ class InverseKinematics:
         >>> pose[2, 3] += 0.01
         >>> branches = arm.ik_all(pose)
         >>> ik.Status(int(branches.status)).name, round(float(branches.position_error), 5)
-        ('OVERDETERMINED', 0.0)
+        ('OVERDETERMINED', 0.00146)
         """
         if order is not None or type(targets) is not np.ndarray:
             targets = as_targets(targets, order, word("invalid", invalid, INVALID))
