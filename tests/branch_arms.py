@@ -36,17 +36,31 @@ def rpy(matrix: Array) -> str:
 
 
 def robot(
-    axes: Array, points: Array, tool: Array, limit: float | Array = 7.0, name: str = "arm"
+    axes: Array,
+    points: Array,
+    tool: Array,
+    limit: float | Array = 7.0,
+    name: str = "arm",
+    slide: tuple[ArrayLike, float, float] | None = None,
 ) -> Robot:
     """Return the arm whose joints turn about lines of the base frame at q = 0.
 
-    `limit` is one number for -limit to limit, or rows of lower and upper ones.
+    `limit` is one number for -limit to limit, or rows of lower and upper ones; `slide` is the
+    direction and the limits of a slide before them.
     """
     axes, points, tool = (np.asarray(x, dtype=float) for x in (axes, points, tool))
     limits = np.broadcast_to(np.asarray(limit, dtype=float), (len(axes), 2)).copy()
     if np.ndim(limit) == 0:
         limits[:, 0] *= -1.0
     rows = [f'<robot name="{name}"><link name="l0"/>']
+    if slide is not None:
+        along = " ".join(repr(float(x)) for x in np.asarray(slide[0], dtype=float))
+        rows[0] = (
+            f'<robot name="{name}"><link name="base"/><link name="l0"/>'
+            '<joint name="slide" type="prismatic"><parent link="base"/><child link="l0"/>'
+            f'<axis xyz="{along}"/><limit lower="{slide[1]!r}" upper="{slide[2]!r}" effort="1" '
+            'velocity="1"/></joint>'
+        )
     before = np.zeros(3)
     for i, (axis, point) in enumerate(zip(axes, points, strict=True), start=1):
         here = " ".join(repr(float(x)) for x in point - before)

@@ -490,6 +490,16 @@ class Branches:
     @property
     def orientation_error(self) -> NDArray[np.float64]:
         """Least angle left, rad, of targets that ask for more than the arm has joints for."""
+
+    @property
+    def position_error(self) -> NDArray[np.float64]:
+        """Distance that goes with it, m; 0 where the record says nothing of it.
+
+        Of ``OVERDETERMINED`` targets for arms of up to four joints that turn, angle and distance
+        are those of the posture of least error within the limits, orientations counted as
+        `Robot.ik` does; it is ``q[..., 0, :]``. For arms of five the distance is 0.
+        """
+
     def __len__(self) -> int:
         """Return the number of rows along the first dimension of the targets."""
 
@@ -875,6 +885,7 @@ def branches(
     value: NDArray[np.float64],
     branch: NDArray[np.uint32],
     orientation_error: NDArray[np.float64],
+    position_error: NDArray[np.float64] | None = None,
 ) -> Branches:
     """Return the record of arrays that belong together, such as those of another record."""
 

@@ -64,6 +64,7 @@ _FIELDS = {
         "value",
         "branch",
         "orientation_error",
+        "position_error",
     ),
 }
 _LAST = (

@@ -98,6 +98,10 @@ class Warnings(IntFlag):
     STRAIGHTENED = 32
     """The target's rotation was rounded; the nearest rotation took its place."""
 
+    UNPROVEN = 64
+    """The search for the postures of an arm of few joints was cut short: that there is no other
+    one, or none that comes nearer, is not proven."""
+
 
 class Status(IntEnum):
     """Outcome of one target, as stored in ``IkResult.status``.
@@ -147,8 +151,9 @@ class Status(IntEnum):
     ``Branches.free_joint`` (`Robot.ik_all` only)."""
 
     OVERDETERMINED = 9
-    """The target asks for more than the arm has joints for; the nearest postures are given,
-    with the angle left in ``Branches.orientation_error`` (`Robot.ik_all` only)."""
+    """The target asks for more than the arm has joints for, and no posture happens to reach it.
+    The nearest one is given, with what is left in ``Branches.orientation_error`` and
+    ``Branches.position_error`` (`Robot.ik_all` only)."""
 
     UNSUPPORTED = 10
     """No method here finds the branches of such an arm; `Robot.family` says why

@@ -62,3 +62,25 @@ def test_bad_rows_and_refusals(tmp_path: Path) -> None:
     code, text = run("ur5", "ur5.csv")
     assert code == 2
     assert "exists already" in text
+
+
+def test_poses_for_too_few_joints_keep_the_nearest_posture(tmp_path: Path) -> None:
+    rows = [[0.0, 0.3, 0.0, 1.57], [0.4, 0, 0, 0], [0.3, 0, 0, 0.2], [0.1, 0.05, 0.1, 0.3]]
+    arm = ik.Robot.from_dh(rows, name="four")
+    arm.save(tmp_path / "four.toml")
+    poses = arm.fk(arm.random_q(4, seed=2))
+    poses[1, :3, 3] += [0.02, -0.01, 0.03]
+    targets, results = tmp_path / "targets.npy", tmp_path / "results.csv"
+    np.save(targets, poses)
+    given = ["solve", str(tmp_path / "four.toml"), str(targets), "-o", str(results)]
+    done = CliRunner().invoke(app, [*given, "--all-branches"])
+    assert done.exit_code == 0, done.output
+    _, written = read_results(results)
+    found = arm.ik_all(poses)
+    missed = written.ids.astype(int) == 2
+    assert missed.sum() == 1
+    assert written.success[~missed].all()
+    assert (written.status[missed] == ik.Status.OVERDETERMINED).all()
+    np.testing.assert_allclose(written.q[missed][0], found.q[1, 0], atol=1e-12)
+    assert written.position_error[missed][0] == pytest.approx(float(found.position_error[1]))
+    assert written.orientation_error[missed][0] == pytest.approx(float(found.orientation_error[1]))

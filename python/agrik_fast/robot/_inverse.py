@@ -514,8 +514,10 @@ class InverseKinematics:
         meet or are parallel; `family` says what was recognised. Seven joints have those
         of the arm that is left when one is locked (S-R-S arms up to eight for each arm
         angle), and an arm on a slide at each place of it. Five joints reach a point and a
-        direction of the tool axis (``task="axis"``), three or more a point. Each branch is
-        checked by forward kinematics.
+        direction of the tool axis (``task="axis"``), three or more a point. Of what asks for more
+        than the arm has joints for, those targets have branches that are reached all the same,
+        and of the others the nearest posture is given. Each branch is checked by forward
+        kinematics.
 
         Parameters
         ----------
@@ -552,10 +554,10 @@ class InverseKinematics:
             allow: each is a branch of its own, the nearest to `q0` first (at most 4,096). Joints
             without limits keep the nearest value.
         task : task or {"pose", "position", "axis"}, optional
-            What counts as reached, see `agrik_fast.tasks`: "axis" for arms of five joints,
-            "position" for arms of three or more: of more than three those joints that move the
-            point least stay where `q0`, or the middle of the limits, has them, and the status
-            is ``SINGULAR_FAMILY``. Default: by the shape of the targets, as for `ik`.
+            What counts as reached, see `agrik_fast.tasks`: "axis" for arms of up to five joints,
+            "position" for any: of more than three joints those that move the point least stay
+            where `q0`, or the middle of the limits, has them, and the status is
+            ``SINGULAR_FAMILY``. Default: by the shape of the targets, as for `ik`.
         invalid : {"mark", "raise", "straighten"}, default "mark"
             As for `ik`.
         order : str, optional
@@ -568,10 +570,10 @@ class InverseKinematics:
             ``CONVERGED`` with at least one valid branch (``SINGULAR_FAMILY`` where a joint turns
             freely in one); ``JOINT_LIMITS`` if there are branches, but none within the limits;
             ``OUT_OF_REACH`` if it is proven that there is none; ``NOT_FOUND`` if there is
-            neither; ``OVERDETERMINED`` with the least angle left where a full pose is asked of
-            fewer joints; ``UNSUPPORTED`` for arms that nothing here solves, such as those with
-            slides between their joints. For spherical wrists and S-R-S arms ``OUT_OF_REACH``
-            takes the limits into account. Warnings stand beside the status.
+            neither; ``OVERDETERMINED`` where more is asked than there are joints for, with the
+            nearest posture and what it leaves; ``UNSUPPORTED`` for arms that nothing here solves,
+            such as those with slides between their joints. For spherical wrists and S-R-S arms
+            ``OUT_OF_REACH`` takes the limits into account. Warnings stand beside the status.
 
         Raises
         ------
@@ -609,6 +611,17 @@ class InverseKinematics:
         >>> branches = arm.ik_all(arm.fk([0.1, 0.3, 0.2, -1.5, 0.1, 1.8, 0.5]), sweep=64)
         >>> branches.q.shape
         (512, 7)
+
+        A full pose for an arm of three joints, which can take few of them:
+
+        >>> arm = ik.Robot.from_dh([[0.0, 0.3, 0.0, 1.57], [0.4, 0, 0, 0], [0.3, 0, 0, 0]])
+        >>> pose = arm.fk([0.2, 0.5, -0.4])
+        >>> int(arm.ik_all(pose).valid.sum())
+        1
+        >>> pose[2, 3] += 0.01
+        >>> branches = arm.ik_all(pose)
+        >>> ik.Status(int(branches.status)).name, round(float(branches.position_error), 5)
+        ('OVERDETERMINED', 0.00146)
         """
         if order is not None or type(targets) is not np.ndarray:
             targets = as_targets(targets, order, word("invalid", invalid, INVALID))

@@ -41,6 +41,7 @@ struct Columns {
     values: Sparse<f64>,
     numbers: Sparse<u32>,
     left: Sparse<f64>,
+    off: Sparse<f64>,
 }
 
 impl Columns {
@@ -56,6 +57,7 @@ impl Columns {
             values: Sparse::new(all.values),
             numbers: Sparse::new(all.numbers),
             left: Sparse::new(all.left),
+            off: Sparse::new(all.off),
         }
     }
 }
@@ -245,6 +247,12 @@ impl Branches {
         self.columns().left.get(py, &self.shape, |_| 0.0)
     }
 
+    /// Distance that goes with it, m; 0 for targets that are reached.
+    #[getter]
+    fn position_error<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.columns().off.get(py, &self.shape, |_| 0.0)
+    }
+
     fn __len__(slf: &Bound<'_, Self>) -> PyResult<usize> {
         hand_on(slf, "length", &[])?.extract()
     }
@@ -292,6 +300,10 @@ impl Branches {
 
 /// The record of arrays that belong together, such as those of another record.
 #[pyfunction]
+#[pyo3(signature = (
+    q, valid, reached, singular, status, warnings, free_joint, value, branch, orientation_error,
+    position_error=None
+))]
 #[allow(clippy::too_many_arguments)]
 pub fn branches(
     q: &Bound<'_, PyAny>,
@@ -304,6 +316,7 @@ pub fn branches(
     value: &Bound<'_, PyAny>,
     branch: &Bound<'_, PyAny>,
     orientation_error: &Bound<'_, PyAny>,
+    position_error: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Branches> {
     let (mut wide, q_values) = column("q", q)?;
     let dof = wide.pop().unwrap_or_default();
@@ -320,6 +333,11 @@ pub fn branches(
         values: column("value", value)?.1,
         numbers: column("branch", branch)?.1,
         left: column("orientation_error", orientation_error)?.1,
+        // Records of earlier versions have none.
+        off: match position_error {
+            Some(errors) => column("position_error", errors)?.1,
+            None => vec![0.0; shape.iter().product()],
+        },
     };
     let (rows, targets): (usize, usize) = (wide.iter().product(), shape.iter().product());
     let of_branches = [
@@ -329,8 +347,8 @@ pub fn branches(
         all.values.len(),
         all.numbers.len(),
     ];
-    let of_targets = [all.warnings.len(), all.free.len(), all.left.len()];
-    let fit = of_branches == [rows; 5] && of_targets == [targets; 3];
+    let of_targets = [all.warnings.len(), all.free.len(), all.left.len(), all.off.len()];
+    let fit = of_branches == [rows; 5] && of_targets == [targets; 4];
     if wide.split_last().map(|(_, rest)| rest) != Some(&shape[..]) || !fit {
         let received = format!("shape {}", shape_text(&wide));
         let expected = format!("branches of targets of shape {}", shape_text(&shape));

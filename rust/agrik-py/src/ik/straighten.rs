@@ -1,6 +1,7 @@
 //! Poses that are no rigid transforms: straightened where rounding explains it, or marked.
 
 use nalgebra::{Matrix3, SVD};
+use pyo3::intern;
 use pyo3::prelude::*;
 
 use crate::convert::{is_rigid, word};
@@ -32,7 +33,12 @@ impl Invalid {
     /// What a word means, the first of them where there is none.
     #[inline]
     pub fn new(given: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        given.map_or(Ok(Self::default()), |given| word("invalid", given, &WORDS))
+        match given {
+            None => Ok(Self::default()),
+            // What the Python layer hands on where nobody said anything is this very object.
+            Some(given) if given.is(intern!(given.py(), "mark")) => Ok(Self::Mark),
+            Some(given) => word("invalid", given, &WORDS),
+        }
     }
 }
 

@@ -30,6 +30,17 @@ pub struct Added {
 impl Added {
     /// The arm of a request: of five joints for a point and an axis, of three for a point.
     pub fn new(request: &Request<'_>, every: &Every) -> Result<Self, String> {
+        let about = |axis| Self::about(request, every, axis);
+        match about([0.0, 0.0, 1.0]) {
+            // Where the last joint turns about the tool axis, a turn about another one will do for
+            // a pose: whoever reaches it does not use it.
+            Err(_) if request.task() == Task::Pose && every.joints() == 5 => about([1.0, 0.0, 0.0]),
+            made => made,
+        }
+    }
+
+    /// The same; of a pose for five joints with a turn about an axis of the tool.
+    fn about(request: &Request<'_>, every: &Every, axis: V3<f64>) -> Result<Self, String> {
         let tail = request.tail();
         let (point, joints) = (tail.translation, every.joints());
         let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -38,7 +49,7 @@ impl Added {
                 let axes = axis_goal(point, tail.direction(tool_axis)).axes;
                 (axes, vec![axes[2]])
             }
-            (Task::Pose, 5) => (unit, vec![tail.direction([0.0, 0.0, 1.0])]),
+            (Task::Pose, 5) => (unit, vec![tail.direction(axis)]),
             (Task::Position | Task::Pose, 3) => (unit, unit.to_vec()),
             _ => return Err(format!("{joints} joints, which do not fit the task")),
         };
@@ -86,19 +97,19 @@ impl Added {
 
     /// Leaves the joints that there are, of those postures that miss the goal's orientation by no
     /// more than `allowed`, rad; an angle that nothing decides is taken from `near`. What the
-    /// nearest of all misses it by, rad.
+    /// nearest of all misses it by, rad, and that posture.
     pub fn drop(
         &self,
         every: &Every,
         goal: &Rigid<f64>,
         (near, allowed): (&[f64; 6], f64),
         set: &mut Set,
-    ) -> f64 {
+    ) -> (f64, [f64; 6]) {
         let given = *set;
         set.count = 0;
         let behind = given.free >> (6 - self.joints) & !((1 << self.at) - 1);
         set.free = (given.free & ((1 << self.at) - 1) | behind) & ((1 << self.joints) - 1);
-        let mut least = f64::INFINITY;
+        let mut least = (f64::INFINITY, *near);
         for (q, singular) in given.postures().iter().zip(given.singular) {
             let mut q = self.gathered(q);
             if self.rolls {
@@ -110,7 +121,9 @@ impl Added {
             } else {
                 norm(rotation_between(at.axes, goal.axes))
             };
-            least = least.min(left);
+            if left < least.0 {
+                least = (left, q);
+            }
             if !self.counts || left <= allowed {
                 set.add_with(&q, singular, 0);
             }

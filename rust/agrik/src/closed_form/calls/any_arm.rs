@@ -36,6 +36,7 @@ pub struct AnyArm<'a> {
 }
 
 /// Targets with what was found for them.
+#[derive(Default)]
 struct Solved {
     goals: Few<Rigid<f64>>,
     near: Few<[f64; 6]>,
@@ -97,36 +98,51 @@ impl<'a> AnyArm<'a> {
 
     /// The branches of a run.
     pub(super) fn run(&self, level: Level, like: &Six, rows: &mut BranchesMut<'_>) {
-        let Solved { goals, near, mut sets, bad } =
-            self.solved(level, like, rows.first, rows.len());
+        let mut solved = Solved::default();
+        self.solve_into(level, like, rows.first, rows.len(), &mut solved);
+        let Solved { goals, near, sets, bad } = &mut solved;
         for i in 0..rows.len() {
+            let mut least = (f64::INFINITY, near[i]);
             if let Some(added) = &self.added {
                 let allowed = self.request.tolerance().orientation;
                 let wish = (&near[i], allowed);
-                let least = added.drop(self.every, &goals[i], wish, &mut sets[i]);
+                least = added.drop(self.every, &goals[i], wish, &mut sets[i]);
                 if let Some(left) = rows.left.get_mut(i) {
-                    *left = least;
+                    *left = if bad[i] { f64::INFINITY } else { least.0 };
                 }
             }
             self.write(rows, i, &sets[i], &near[i], bad[i]);
-            if let Some(left) = rows.left.get(i)
+            if !rows.left.is_empty()
                 && rows.status[i] == Status::NotFound as u8
-                && left.is_finite()
+                && least.0.is_finite()
             {
                 rows.status[i] = Status::Overdetermined as u8;
+                self.write_nearest(rows, i, &least.1, &near[i]);
             }
         }
     }
 
-    /// The postures of targets `first..first + count`.
-    fn solved(&self, level: Level, like: &Six, first: usize, count: usize) -> Solved {
+    /// Writes one posture to all places of target `i` of a run, none of which reaches it.
+    fn write_nearest(&self, rows: &mut BranchesMut<'_>, i: usize, q: &[f64; 6], near: &[f64; 6]) {
+        let dof = self.request.chain().dof();
+        let count = rows.valid.len() / rows.status.len();
+        let (free, joints) = self.free();
+        for to in rows.q[i * count * dof..][..count * dof].chunks_exact_mut(dof) {
+            for (k, joint) in free.into_iter().take(joints).enumerate() {
+                let limit = &self.every.limits[joint];
+                to[self.every.order[joint]] = representative(limit, q[k], near[k]).0;
+            }
+        }
+    }
+
+    /// The postures of targets `first..first + count`. Sets are large: they are made where they
+    /// stay.
+    fn solve_into(&self, level: Level, like: &Six, first: usize, count: usize, out: &mut Solved) {
         let (every, (free, joints)) = (self.every, self.free());
         let mut work = Work::default();
-        let mut goals = Few::with_capacity(count);
-        let mut near = Few::with_capacity(count);
-        let mut sets = Few::new();
-        sets.resize_with(count, Set::new);
-        let mut bad = Few::from_elem(false, count);
+        let Solved { goals, near, sets, bad } = out;
+        sets.resize(count, Set::EMPTY);
+        bad.resize(count, false);
         let unit = Rigid::<f64>::identity();
         let margin = self.margin();
         let given = !matches!(self.request.starts(), Starts::Free);
@@ -183,11 +199,10 @@ impl<'a> AnyArm<'a> {
             _ => {
                 let spread = |added: &Added| near.iter().map(|q| added.spread(q)).collect();
                 let wider: Option<Vec<[f64; 6]>> = self.added.as_ref().map(spread);
-                let near = wider.as_deref().unwrap_or(&near);
-                like.solve(level, (&goals, margin), (near, given), &mut sets, &mut work);
+                let near = wider.as_deref().unwrap_or(near);
+                like.solve(level, (goals, margin), (near, given), sets, &mut work);
             }
         }
-        Solved { goals, near, sets, bad }
     }
 
     /// The branch within the limits that is nearest to the start values (else the middle of the
@@ -201,7 +216,8 @@ impl<'a> AnyArm<'a> {
         let mut begin = 0;
         while begin < rows.len() {
             let count = RUN.min(rows.len() - begin);
-            let found = self.solved(level, like, rows.first + begin, count);
+            let mut found = Solved::default();
+            self.solve_into(level, like, rows.first + begin, count, &mut found);
             for i in 0..count {
                 let row = begin + i;
                 let mut best: Option<(f64, [f64; 6])> = None;
@@ -315,8 +331,10 @@ impl<'a> AnyArm<'a> {
         } as u8;
         let singular = set.singular[..set.count.min(count)].iter().any(|flags| *flags != 0);
         let mut warnings = 0;
+        // Of a pose that asks for too much one posture is the rule.
+        let pairs = self.added.is_none() || !self.request.task().fixes_pose();
         for (is, bit) in [
-            (!set.count.is_multiple_of(2), warning::FOLD),
+            (pairs && !set.count.is_multiple_of(2), warning::FOLD),
             (singular, warning::NEAR_SINGULAR),
             (set.second, warning::SECOND_CUT),
             (free_joint.is_some(), warning::SINGULAR_FAMILY),

@@ -29,6 +29,8 @@ pub struct Branches {
     pub numbers: Vec<u32>,
     /// Angle left for each target that asks for too much, rad; empty without any.
     pub left: Vec<f64>,
+    /// Distance left for each of them, m; empty likewise.
+    pub off: Vec<f64>,
 }
 
 impl Branches {
@@ -57,6 +59,7 @@ impl Branches {
             warnings: &mut self.warnings,
             free: &mut self.free,
             left: &mut self.left,
+            off: &mut self.off,
         }
     }
 }
@@ -75,6 +78,7 @@ pub struct BranchesMut<'a> {
     pub(crate) warnings: &'a mut [u8],
     pub(crate) free: &'a mut [i8],
     pub(crate) left: &'a mut [f64],
+    pub(crate) off: &'a mut [f64],
 }
 
 impl<'a> BranchesMut<'a> {
@@ -99,9 +103,10 @@ impl<'a> BranchesMut<'a> {
             .zip(self.status.chunks_mut(size))
             .zip(pieces(self.warnings, size))
             .zip(pieces(self.free, size))
-            .zip(pieces(self.left, size))
+            .zip(pieces(self.left, size).zip(pieces(self.off, size)))
             .enumerate()
-            .map(|(i, (((((((q, valid), reached), singular), status), warnings), free), left))| {
+            .map(|(i, (((((((q, valid), reached), singular), status), warnings), free), error))| {
+                let (left, off) = error;
                 BranchesMut {
                     first: self.first + i * size,
                     q,
@@ -112,6 +117,7 @@ impl<'a> BranchesMut<'a> {
                     warnings,
                     free,
                     left,
+                    off,
                 }
             })
             .collect()

@@ -9,6 +9,7 @@ use super::any_arm::AnyArm;
 use super::arm_angle::ArmAngle;
 use super::branches::Branches;
 use super::family::Family;
+use super::few_joints::FewJoints;
 use super::locked::{Lock, Values, all_locked};
 use super::query::Query;
 use super::wrap::wrapped;
@@ -16,6 +17,7 @@ use crate::call::{Goals, Request, Starts, Status};
 use crate::chain::Chain;
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::families::every::Every;
+use crate::closed_form::families::six::Way;
 use crate::closed_form::families::{ClosedForm, Lead};
 use crate::closed_form::geometry::limit::Limit;
 use crate::error::{Error, Result};
@@ -194,16 +196,70 @@ fn with_few_joints(
     if matches!(request.task(), Task::Masked { .. }) {
         return Err(Error::argument("task", "position, axis or pose", "a masked task"));
     }
-    let Ok(every) = Every::of(chain) else { return unsupported(request) };
-    if request.task() == Task::Position && every.joints() > 3 {
-        return with_spare_joints(request, every, threads, poll);
+    match solved_without_locks(request, threads, poll)? {
+        Some(found) => Ok(found),
+        None => unsupported(request),
     }
-    match Added::new(request, every) {
-        Ok(added) => {
-            AnyArm { request: *request, every, lock: None, added: Some(added) }.solve(threads, poll)
+}
+
+/// The branches of an arm of few joints, none of them locked; `None` where nothing here finds
+/// them.
+pub(super) fn solved_without_locks(
+    request: &Request<'_>,
+    threads: usize,
+    poll: &mut dyn FnMut() -> bool,
+) -> Result<Option<Branches>> {
+    let few = FewJoints::new(*request);
+    if let Ok(every) = Every::of(request.chain()) {
+        if request.task() == Task::Position && every.joints() > 3 {
+            return with_spare_joints(request, every, threads, poll).map(Some);
         }
-        Err(_) => unsupported(request),
+        // A point that three joints cannot move in three ways makes no closed form.
+        let fits = |added: &Added| few.is_none() || !matches!(added.six.way(), Way::Ring(_));
+        if let Some(added) = Added::new(request, every).ok().filter(fits) {
+            let arm = AnyArm { request: *request, every, lock: None, added: Some(added) };
+            let found = arm.solve(threads, poll)?;
+            // A pose for three joints: what reaches the point decides, where anything does.
+            return match few.filter(|_| request.task().fixes_pose()) {
+                Some(few) => few.solve(Some(found), threads, poll).map(Some),
+                None => Ok(Some(found)),
+            };
+        }
     }
+    if let Some(few) = few {
+        return few.solve(None, threads, poll).map(Some);
+    }
+    with_a_spare_slide(request, threads, poll)
+}
+
+/// An arm behind a slide with a joint to spare: the slide stays where the start values have it
+/// (else in the middle of its limits).
+fn with_a_spare_slide(
+    request: &Request<'_>,
+    threads: usize,
+    poll: &mut dyn FnMut() -> bool,
+) -> Result<Option<Branches>> {
+    let Ok(lead) = Lead::of(request.chain()) else { return Ok(None) };
+    let needed = match request.task() {
+        Task::Position => 3,
+        Task::Axis { .. } => 5,
+        _ => return Ok(None),
+    };
+    let rest = lead.rest().dof();
+    if lead.way().is_none() || rest < needed || rest > 5 || Every::of(lead.rest()).is_err() {
+        return Ok(None);
+    }
+    let slide = &request.chain().variables()[lead.variable()];
+    let limit = Limit::of(slide);
+    let of = |row: usize| {
+        let place = request.start(row).map_or(limit.middle, |q0| q0[lead.variable()]);
+        place.clamp(limit.lower, limit.upper)
+    };
+    let values: Vec<f64> = (0..request.len()).map(of).collect();
+    let locks = [Lock { variable: lead.variable(), values: Values::Each(&values) }];
+    let mut found = with_few_joints(request, &locks, threads, poll)?;
+    said_to_be_free(&mut found, request.len(), lead.variable());
+    Ok(Some(found))
 }
 
 /// A point for more than three joints: those that move it best are free, the others stay where
@@ -227,17 +283,22 @@ fn with_spare_joints(
         locks.push(Lock { variable: every.order[*k], values: Values::Each(all) });
     }
     let mut found = with_few_joints(request, &locks, threads, poll)?;
-    let rows = request.len();
+    said_to_be_free(&mut found, request.len(), every.order[spare[0]]);
+    Ok(found)
+}
+
+/// Reached targets whose joint `variable` could be anywhere.
+fn said_to_be_free(found: &mut Branches, rows: usize, variable: usize) {
     found.warnings.resize(rows, 0);
     found.free.resize(rows, -1);
     for row in 0..rows {
-        if found.status[row] == Status::Converged as u8 {
+        let reached = [Status::Converged, Status::SingularFamily];
+        if reached.iter().any(|status| *status as u8 == found.status[row]) {
             found.status[row] = Status::SingularFamily as u8;
             found.warnings[row] |= super::warning::SINGULAR_FAMILY;
-            found.free[row] = every.order[spare[0]] as i8;
+            found.free[row] = variable as i8;
         }
     }
-    Ok(found)
 }
 
 /// Why all branches of an arm cannot be found, where they cannot.

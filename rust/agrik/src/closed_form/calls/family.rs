@@ -1,7 +1,9 @@
 //! What an arm was recognised as, in words.
 
+use super::few_joints::BRANCHES;
 use crate::chain::Chain;
 use crate::closed_form::families::every::Every;
+use crate::closed_form::families::short::{Lines, TURNING};
 use crate::closed_form::families::six::{Six, Way};
 use crate::closed_form::families::{ClosedForm, Lead};
 
@@ -22,6 +24,8 @@ pub struct Family {
 
 const CLOSED: &str = "closed form";
 const RING: &str = "ring-cut resultant";
+const CELLS: &str = "cells of joint values left out by bounds";
+const BOTH: &str = "closed form for points; for more, cells of joint values left out by bounds";
 
 impl Family {
     /// The family of a chain.
@@ -54,14 +58,19 @@ impl Family {
         let every = match Every::of(chain) {
             Ok(every) => every,
             Err(why) => {
+                if chain.dof() == 1 && Lines::of(chain).is_ok() {
+                    return Self::of_few("a slide", "one joint that slides");
+                }
                 let lead = Lead::of(chain).ok().filter(|lead| lead.way().is_some());
                 let Some(lead) = lead else { return unsupported(why.to_owned()) };
                 let rest = Self::of(lead.rest());
-                if rest.branches == 0 || lead.rest().dof() != 6 {
+                let few = lead.rest().dof() <= TURNING && Lines::of(chain).is_ok();
+                if rest.branches == 0 || !few && lead.rest().dof() != 6 {
                     return unsupported(why.to_owned());
                 }
                 return Self {
                     name: format!("slide before {}", rest.name),
+                    method: if few { CELLS } else { rest.method },
                     reason: format!("its first joint slides; behind it {}", rest.reason),
                     locked: Some(lead.variable()),
                     ..rest
@@ -90,7 +99,8 @@ impl Family {
             5 => Self {
                 name: "5R".to_owned(),
                 method: "a joint about the tool axis added, then as six joints",
-                reason: "five joints that turn: a point and the direction of the tool axis"
+                reason: "five joints that turn: a point and the direction of the tool axis; a \
+                         pose is overdetermined"
                     .to_owned(),
                 branches: 16,
                 locked: None,
@@ -100,21 +110,36 @@ impl Family {
                 let name = spare.map_or("", |variable| &chain.variables()[variable].name);
                 Self {
                     name: format!("4R, 3R when '{name}' is locked"),
-                    method: CLOSED,
-                    reason: "four joints that turn: a point, with a self-motion of one dimension"
+                    method: BOTH,
+                    reason: "four joints that turn: a point, with a self-motion of one dimension; \
+                             an axis or a pose is overdetermined"
                         .to_owned(),
-                    branches: 4,
+                    branches: 8,
                     locked: spare,
                 }
             }
             3 => Self {
                 name: "3R".to_owned(),
-                method: CLOSED,
-                reason: "three joints that turn: a point".to_owned(),
-                branches: 4,
+                method: BOTH,
+                reason: "three joints that turn: a point; an axis or a pose is overdetermined"
+                    .to_owned(),
+                branches: 8,
                 locked: None,
             },
+            2 => Self::of_few("2R", "two joints that turn"),
+            1 => Self::of_few("1R", "one joint that turns"),
             n => unsupported(format!("{n} joints that turn")),
+        }
+    }
+
+    /// Fewer joints than any task needs.
+    fn of_few(name: &str, joints: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            method: CELLS,
+            reason: format!("{joints}: points, axes and poses are overdetermined"),
+            branches: BRANCHES,
+            locked: None,
         }
     }
 

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Vector3};
 
-use super::added::Added;
 use super::all_branches::all;
 use super::any_arm::AnyArm;
 use super::arm_angle::{ArmAngle, form_of};
 use super::branches::Branches;
+use super::every_branch::solved_without_locks;
 use super::query::Query;
 use crate::allowed::is_measure;
 use crate::call::{Aim, Goals, Request, Starts};
@@ -69,14 +69,14 @@ pub fn all_locked(
         let seen: Vec<[f64; 16]> = rows.iter().map(seen).collect();
         let part = Part { request, locks, rows: &rows, angle };
         let branches = part.solve(lead.rest(), &seen, threads, poll)?;
-        return Ok(part.scattered(branches, None));
+        return Ok(scattered(request, &[(part, branches)]));
     }
     let mut groups: BTreeMap<Vec<u64>, Vec<usize>> = BTreeMap::new();
     for row in rows {
         let key = locks.iter().map(|lock| lock.values.row(row).to_bits()).collect();
         groups.entry(key).or_default().push(row);
     }
-    let mut whole = None;
+    let mut parts = Vec::with_capacity(groups.len());
     for (bits, rows) in &groups {
         let values: Vec<f64> = bits.iter().map(|bits| f64::from_bits(*bits)).collect();
         let known = values.iter().all(|value| is_measure(*value));
@@ -87,9 +87,9 @@ pub fn all_locked(
         let chain = request.chain().locked(&fixed.collect::<Vec<_>>())?;
         let part = Part { request, locks, rows, angle };
         let branches = part.solve(&chain, &goals, threads, poll)?;
-        whole = Some(part.scattered(branches, whole));
+        parts.push((part, branches));
     }
-    Ok(whole.unwrap_or_default())
+    Ok(scattered(request, &parts))
 }
 
 /// A joint value; where it is no number to count with, one within the limits.
@@ -201,10 +201,9 @@ impl Part<'_, '_> {
                 Ok(every) if every.joints() == 6 => {
                     AnyArm { request, every, lock: None, added: None }.solve(threads, poll)
                 }
-                Ok(every) if every.joints() < 6 => match Added::new(&request, every) {
-                    Ok(added) => AnyArm { request, every, lock: None, added: Some(added) }
-                        .solve(threads, poll),
-                    Err(_) => Err(error),
+                _ if chain.dof() < 6 => match solved_without_locks(&request, threads, poll)? {
+                    Some(found) => Ok(found),
+                    None => Err(error),
                 },
                 _ => Err(error),
             };
@@ -212,16 +211,18 @@ impl Part<'_, '_> {
         all(&Query::new(request, angle, Choice::default())?, threads, poll)
     }
 
-    /// The branches with the locked joints' values, at the rows' places in the whole record.
-    fn scattered(&self, part: Branches, whole: Option<Branches>) -> Branches {
-        let (dof, count, rows) = (self.request.chain().dof(), part.branches, self.request.len());
-        let mut whole = whole.unwrap_or_else(|| Branches {
-            q: vec![0.0; rows * count * dof],
-            ..Branches::new(rows, count)
-        });
-        let mut from = part.q.iter();
+    /// Writes the branches with the locked joints' values to the rows' places in the whole record,
+    /// which has at least as many branches a target.
+    fn scatter(&self, part: &Branches, whole: &mut Branches) {
+        let (dof, rows) = (self.request.chain().dof(), self.request.len());
+        let (few, count) = (part.branches, whole.branches);
+        let rest = dof - self.locks.len();
         for (i, row) in self.rows.iter().enumerate() {
-            for q in whole.q[row * count * dof..(row + 1) * count * dof].chunks_exact_mut(dof) {
+            for b in 0..count {
+                // Places of branches that do not exist hold what the last one does.
+                let from = (i * few + b.min(few.saturating_sub(1))) * rest;
+                let mut from = part.q[from..].iter();
+                let q = &mut whole.q[(row * count + b) * dof..][..dof];
                 for (variable, x) in q.iter_mut().enumerate() {
                     *x = match self.locks.iter().find(|lock| lock.variable == variable) {
                         Some(lock) => lock.values.row(*row),
@@ -230,7 +231,7 @@ impl Part<'_, '_> {
                     *x = known_or_near_zero(self.request.chain(), variable, *x);
                 }
             }
-            let (to, here) = (row * count..(row + 1) * count, i * count..(i + 1) * count);
+            let (to, here) = (row * count..row * count + few, i * few..(i + 1) * few);
             whole.valid[to.clone()].copy_from_slice(&part.valid[here.clone()]);
             whole.reached[to.clone()].copy_from_slice(&part.reached[here.clone()]);
             whole.singular[to].copy_from_slice(&part.singular[here]);
@@ -243,13 +244,27 @@ impl Part<'_, '_> {
                 whole.free.resize(rows, -1);
                 whole.free[*row] = usize::try_from(*free).map_or(-1, |k| self.entry(k) as i8);
             }
-            if let Some(left) = part.left.get(i) {
-                whole.left.resize(rows, f64::INFINITY);
-                whole.left[*row] = *left;
+            for (from, to) in [(&part.left, &mut whole.left), (&part.off, &mut whole.off)] {
+                if let Some(error) = from.get(i) {
+                    to.resize(rows, 0.0);
+                    to[*row] = *error;
+                }
             }
         }
-        whole
     }
+}
+
+/// The record of all targets of a request from those of parts of them.
+fn scattered(request: &Request<'_>, parts: &[(Part<'_, '_>, Branches)]) -> Branches {
+    // Arms locked at special values may have fewer branches than others.
+    let count = parts.iter().map(|(_, found)| found.branches).max().unwrap_or(0);
+    let rows = request.len();
+    let q = vec![0.0; rows * count * request.chain().dof()];
+    let mut whole = Branches { q, ..Branches::new(rows, count) };
+    for (part, found) in parts {
+        part.scatter(found, &mut whole);
+    }
+    whole
 }
 
 /// The tool of a call in the last joint's frame of a chain some of whose joints are locked;

@@ -9,6 +9,7 @@ mod best_branch;
 pub mod branches;
 pub mod every_branch;
 pub mod family;
+mod few_joints;
 mod last_resort;
 pub mod locked;
 pub mod one_pose;

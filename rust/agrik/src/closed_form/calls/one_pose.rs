@@ -96,6 +96,7 @@ impl Alone {
             warnings: std::slice::from_mut(warnings),
             free: std::slice::from_mut(free),
             left: &mut [],
+            off: &mut [],
         });
         for b in 0..branches {
             out.reached |= Lanes::from(reached[b]) << b;

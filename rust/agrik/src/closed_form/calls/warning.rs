@@ -10,3 +10,6 @@ pub const SECOND_CUT: u8 = 4;
 pub const SINGULAR_FAMILY: u8 = 8;
 /// There are more postures than the record has room for.
 pub const MORE: u8 = 16;
+/// The search was cut short: what it says of other postures is not proven. (32 is taken by what
+/// becomes of targets before they are solved.)
+pub const UNPROVEN: u8 = 64;

@@ -99,5 +99,6 @@ pub(super) fn wrapped(request: &Request<'_>, locks: &[Lock<'_>], found: Branches
             out.numbers[to] = found.numbers.get(from).copied().unwrap_or(place);
         }
     }
-    Branches { status: found.status, warnings, free: found.free, left: found.left, ..out }
+    let Branches { status, free, left, off, .. } = found;
+    Branches { status, warnings, free, left, off, ..out }
 }

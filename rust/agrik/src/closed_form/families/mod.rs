@@ -5,6 +5,7 @@ mod lead;
 mod meeting;
 pub mod postures;
 pub mod ring;
+pub mod short;
 mod shoulder;
 mod shoulder_arcs;
 pub mod six;

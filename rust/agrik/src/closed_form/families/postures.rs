@@ -49,20 +49,23 @@ pub struct Set {
 
 impl Set {
     /// Nothing found yet.
+    pub const EMPTY: Self = Self {
+        q: [[0.0; 6]; MOST],
+        count: 0,
+        singular: [0; MOST],
+        free: 0,
+        noise: 0.0,
+        roots: 0,
+        places: 0,
+        second: false,
+        open: 0,
+        none: false,
+        more: false,
+    };
+
+    /// The same.
     pub fn new() -> Self {
-        Self {
-            q: [[0.0; 6]; MOST],
-            count: 0,
-            singular: [0; MOST],
-            free: 0,
-            noise: 0.0,
-            roots: 0,
-            places: 0,
-            second: false,
-            open: 0,
-            none: false,
-            more: false,
-        }
+        Self::EMPTY
     }
 
     /// The postures.

@@ -73,9 +73,13 @@ static BASIS: LazyLock<[[f64; COUNT]; HARMONICS]> = LazyLock::new(|| {
 /// Coefficients filled up to whole vectors.
 const WIDE: usize = COUNT.next_multiple_of(WIDEST);
 
+/// The table of [`HALVES`], each row at the start of a line of the cache.
+#[repr(align(64))]
+struct Halves([[[f64; WIDE]; COUNT]; 2]);
+
 /// What each coefficient of an interval counts in those of its left and of its right half: de
 /// Casteljau's means of means as sums, in which nothing waits for anything.
-static HALVES: LazyLock<[[[f64; WIDE]; COUNT]; 2]> = LazyLock::new(|| {
+static HALVES: LazyLock<Halves> = LazyLock::new(|| {
     let mut out = [[[0.0; WIDE]; COUNT]; 2];
     // Pascal's triangle, each row half as large as counted.
     let mut row = [0.0; COUNT];
@@ -90,7 +94,7 @@ static HALVES: LazyLock<[[[f64; WIDE]; COUNT]; 2]> = LazyLock::new(|| {
         }
         row[0] *= 0.5;
     }
-    out
+    Halves(out)
 });
 
 /// Cosine and sine of multiples of the centres of the arcs.
@@ -164,15 +168,23 @@ pub fn sifted<R: Real>(arcs: &Arcs<R>, noise: R) -> Sifted<R> {
     Sifted { open, least, known: R::bits(R::and(R::zero().lt(largest), finite)) }
 }
 
-/// Parts of an arc that wait: their coefficients, and where they begin and how long they are, as
-/// shares of the arc.
-pub struct Waiting([([f64; WIDE], f64, f64); DEPTH]);
-
-impl Default for Waiting {
-    fn default() -> Self {
-        Self([([0.0; WIDE], 0.0, 0.0); DEPTH])
-    }
+/// A part of an arc: its coefficients, and where it begins and how long it is, as shares of the
+/// arc.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Part {
+    b: [f64; WIDE],
+    begin: f64,
+    size: f64,
 }
+
+impl Part {
+    const NONE: Self = Self { b: [0.0; WIDE], begin: 0.0, size: 1.0 };
+}
+
+/// Parts of an arc that wait; without room until it is needed.
+#[derive(Default)]
+pub struct Waiting(Vec<Part>);
 
 /// The places of all real roots of the polynomial of the goal in a lane.
 #[inline(always)]
@@ -188,20 +200,21 @@ pub fn places<R: Real>(
     }
     let least = sifted.least.lane(lane);
     let half = (0.5 * HALF).tan();
-    let table = &*HALVES;
-    let waiting = &mut waiting.0;
+    let table = &HALVES.0;
+    waiting.0.resize(DEPTH, Part::NONE);
+    let waiting = &mut waiting.0[..];
     for (arc, coefficients) in arcs.iter().enumerate() {
         if sifted.open[arc] >> lane & 1 == 0 {
             continue;
         }
-        for (to, from) in waiting[0].0.iter_mut().zip(coefficients) {
+        for (to, from) in waiting[0].b.iter_mut().zip(coefficients) {
             *to = from.lane(lane);
         }
-        (waiting[0].1, waiting[0].2) = (0.0, 1.0);
+        (waiting[0].begin, waiting[0].size) = (0.0, 1.0);
         let mut count = 1;
         while count > 0 {
             count -= 1;
-            let (b, begin, size) = &waiting[count];
+            let Part { b, begin, size } = &waiting[count];
             let (begin, size) = (*begin, *size);
             let seen = signs::<R>(b, least);
             if seen.changes == 0 && !seen.unsure {
@@ -228,12 +241,12 @@ pub fn places<R: Real>(
                     out.extend([at(0.25), at(0.75)]);
                 }
             } else {
-                let whole = *b;
                 let size = 0.5 * size;
-                part::<R>(&whole, &table[1], &mut waiting[count].0);
-                part::<R>(&whole, &table[0], &mut waiting[count + 1].0);
-                (waiting[count].1, waiting[count].2) = (begin + size, size);
-                (waiting[count + 1].1, waiting[count + 1].2) = (begin, size);
+                let [left, right] = halves::<R>(b, table);
+                save(&right, &mut waiting[count].b);
+                save(&left, &mut waiting[count + 1].b);
+                (waiting[count].begin, waiting[count].size) = (begin + size, size);
+                (waiting[count + 1].begin, waiting[count + 1].size) = (begin, size);
                 count += 2;
             }
         }
@@ -258,30 +271,52 @@ fn signs<R: Real>(b: &[f64; WIDE], least: f64) -> Signs {
         i += R::WIDTH;
     }
     let sure = sure & ALL;
-    let changes = if sure == ALL {
-        ((below ^ (below >> 1)) & (ALL >> 1)).count_ones()
-    } else {
-        let (mut changes, mut last) = (0, None);
-        for i in (0..COUNT).filter(|i| sure >> i & 1 != 0) {
-            let sign = below >> i & 1;
-            changes += u32::from(last.is_some_and(|last| last != sign));
-            last = Some(sign);
-        }
-        changes
-    };
+    // Where a sign is unsure, that of the last sure one before it stands in.
+    let (mut known, mut sign) = (sure, below & sure);
+    for far in [1, 2, 4, 8, 16] {
+        sign |= (sign << far) & !known;
+        known |= known << far;
+    }
+    let changes = ((sign ^ (sign >> 1)) & known & (ALL >> 1)).count_ones();
     Signs { changes, unsure: sure != ALL, all_unsure: sure == 0 }
 }
 
-/// One of de Casteljau's halves.
+/// Coefficients in as few vectors as they fill.
+type Filled<R> = [R; WIDE];
+
+/// Both of de Casteljau's halves. Each coefficient is read once for all; two sums for each vector,
+/// so that they need not wait long for one another.
 #[inline(always)]
-fn part<R: Real>(b: &[f64; WIDE], shares: &[[f64; WIDE]; COUNT], out: &mut [f64; WIDE]) {
-    for k in 0..WIDE / R::WIDTH {
-        let at = k * R::WIDTH;
-        let mut sums = [R::zero(); 2];
-        for j in 0..COUNT {
-            sums[j % 2] = R::splat(b[j]).mul_add(R::load(&shares[j][at..]), sums[j % 2]);
+fn halves<R: Real>(b: &[f64; WIDE], shares: &[[[f64; WIDE]; COUNT]; 2]) -> [Filled<R>; 2] {
+    let vectors = WIDE / R::WIDTH;
+    let (mut even, mut odd) = ([[R::zero(); WIDE]; 2], [[R::zero(); WIDE]; 2]);
+    let add = |sums: &mut [Filled<R>; 2], j: usize| {
+        let x = R::splat(b[j]);
+        for side in 0..2 {
+            for k in 0..vectors {
+                let share = R::load(&shares[side][j][k * R::WIDTH..]);
+                sums[side][k] = x.mul_add(share, sums[side][k]);
+            }
         }
-        (sums[0] + sums[1]).store(&mut out[at..]);
+    };
+    add(&mut even, 0);
+    for j in (1..COUNT).step_by(2) {
+        add(&mut odd, j);
+        add(&mut even, j + 1);
+    }
+    for side in 0..2 {
+        for k in 0..vectors {
+            even[side][k] += odd[side][k];
+        }
+    }
+    even
+}
+
+/// Writes coefficients to where they wait.
+#[inline(always)]
+fn save<R: Real>(from: &Filled<R>, to: &mut [f64; WIDE]) {
+    for k in 0..WIDE / R::WIDTH {
+        from[k].store(&mut to[k * R::WIDTH..]);
     }
 }
 
@@ -305,10 +340,7 @@ mod tests {
             }
             left[level] = right[0];
         }
-        let mut found = [[0.0; WIDE]; 2];
-        for (side, out) in found.iter_mut().enumerate() {
-            part::<f64>(&b, &HALVES[side], out);
-        }
+        let found = halves::<f64>(&b, &HALVES.0);
         for i in 0..COUNT {
             assert!((found[0][i] - left[i]).abs() < 1e-14);
             assert!((found[1][i] - right[i]).abs() < 1e-14);
