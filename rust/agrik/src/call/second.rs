@@ -61,6 +61,15 @@ impl Joint {
     }
 }
 
+/// What a joint value adds to a measure, and its derivatives.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bends<R> {
+    pub value: R,
+    pub slope: R,
+    pub curvature: R,
+    pub third: R,
+}
+
 impl Second {
     /// A checked second aim: `posture` for [`Merit::Near`] alone, and a weight a joint.
     pub fn new(
@@ -136,6 +145,37 @@ impl Second {
                 sum / (product * product * product)
             }
             _ => R::zero(),
+        }
+    }
+
+    /// What a joint value adds to the measure, and its first three derivatives.
+    #[inline(always)]
+    pub(crate) fn bends<R: Real>(&self, i: usize, q: R, about: R) -> Bends<R> {
+        let (joint, weight) = (&self.joints[i], self.weights[i]);
+        let Joint { lower, upper, middle, half } = *joint;
+        let quadratic = |off: R, weight: f64| {
+            let slope = off * R::splat(weight);
+            let value = R::splat(0.5) * slope * off;
+            Bends { value, slope, curvature: R::splat(weight), third: R::zero() }
+        };
+        match self.measure {
+            Merit::Near => quadratic(q - about, weight),
+            Merit::Middle if half > 0.0 => quadratic(q - R::splat(middle), weight / (half * half)),
+            Merit::Limits if half > 0.0 => {
+                let least = R::splat(2.0 * half * LEAST);
+                let up = (R::splat(upper) - q).max(least);
+                let down = (q - R::splat(lower)).max(least);
+                let (product, change) = (up * down, up - down);
+                let inverse = R::splat(1.0) / product;
+                let value = R::splat(weight * half * half) * inverse;
+                let steep = change * inverse;
+                let twice = value + value;
+                let curvature = twice * steep.mul_add(steep, inverse);
+                let third =
+                    R::splat(-3.0) * twice * steep * steep.mul_add(steep, inverse + inverse);
+                Bends { value, slope: R::zero() - value * steep, curvature, third }
+            }
+            _ => quadratic(R::zero(), 0.0),
         }
     }
 

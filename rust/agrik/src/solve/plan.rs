@@ -6,7 +6,7 @@ use super::Settings;
 use super::limit::wound;
 use super::setup::Setup;
 use super::start::Sampler;
-use crate::call::{Aim, Answers, Copies, Goals, Request, Second, Solve, Starts, Tolerance};
+use crate::call::{Aim, Answers, Copies, Goals, Merit, Request, Second, Solve, Starts, Tolerance};
 use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::lanes::Level;
@@ -88,7 +88,7 @@ impl<'a> Plan<'a> {
     /// request asks for, or the setup.
     pub(super) fn second_aim(&self) -> Option<&Second> {
         let second = self.request.second().or(self.setup().second.as_deref());
-        second.filter(|_| self.leaves_freedom())
+        second.filter(|_| self.leaves_freedom(usize::from(self.turns_freely())))
     }
 
     /// Answers with a joint at a limit are replaced: the target leaves a freedom for it, and nobody
@@ -96,13 +96,33 @@ impl<'a> Plan<'a> {
     pub(super) fn keeps_off_limits(&self) -> bool {
         let settings = &self.setup().settings;
         let steps = !settings.plain && !settings.step.is_feedback();
-        steps && matches!(self.request.starts(), Starts::Free) && self.leaves_freedom()
+        // A free turn about an axis does not count: six joints keep the answers that they had.
+        steps && matches!(self.request.starts(), Starts::Free) && self.leaves_freedom(0)
     }
 
     /// More than one posture around a solution is one.
-    fn leaves_freedom(&self) -> bool {
-        let asked = self.setup().aim.weights().iter().filter(|w| **w != 0.0).count();
-        self.request.chain().dof() > asked || self.setup().slack.is_some()
+    fn leaves_freedom(&self, free: usize) -> bool {
+        self.request.chain().dof() + free > self.weighed() || self.setup().slack.is_some()
+    }
+
+    /// Of the six numbers of a pose those that count.
+    fn weighed(&self) -> usize {
+        self.setup().aim.weights().iter().filter(|w| **w != 0.0).count()
+    }
+
+    /// The tool may turn about its axis.
+    fn turns_freely(&self) -> bool {
+        matches!(self.setup().aim.task(), Task::Axis { .. })
+    }
+
+    /// All of some rows are asked for, of an arm that has one joint more; manipulability is that of
+    /// all six then.
+    pub(super) fn spares_one(&self, rows: usize) -> bool {
+        let all = if self.turns_freely() { rows == 5 } else { rows == self.weighed() };
+        let whole = |second: &Second| second.measure != Merit::Manipulability || rows == 6;
+        all && self.request.chain().dof() == rows + 1
+            && self.setup().slack.is_none()
+            && self.second_aim().is_some_and(whole)
     }
 
     /// What is to be reached.
