@@ -96,7 +96,9 @@ def betterable(arm, task, measure, found, gain=1e-3):
         if position:
             return moved
         if task == Pose():
-            return np.concatenate([moved, np.cross(now[:, :3, :3], goal[:, :3, :3], axis=1).sum(2) / 2], 1)
+            return np.concatenate(
+                [moved, np.cross(now[:, :3, :3], goal[:, :3, :3], axis=1).sum(2) / 2], 1
+            )
         turned = np.cross(now[:, :3, 2], goal[:, :3, 2])
         return np.concatenate([moved, np.einsum("nij,ni->nj", now[:, :3, :2], turned)], 1)
 

@@ -24,7 +24,7 @@ use super::limit::{Limit, limits, nearest_turn};
 use super::plan::Plan;
 use super::setup::Setup;
 use super::step::{Step, dot, pulled, squared_norm};
-use crate::call::{AnswersMut, INSIDE, Measure, Tolerance};
+use crate::call::{AnswersMut, INSIDE, Measure, Second, Tolerance};
 use crate::chain::{JointKind, Variable};
 use crate::kinematics::{PerJoint, Workspace, columns, forward};
 use crate::lanes::Real;
@@ -163,6 +163,7 @@ struct Engine<'p, R: Real, T, const M: usize, const WAY: u8> {
     goal: Goal<R>,
     memory: Memory<R, M>,
     second: second::Memory<R, M>,
+    second_aim: Option<&'p Second>,
     /// The postures that reach a target form curves, along which a second aim looks for the best.
     spares_one: bool,
     /// The joint values of a start on their way to a lane.
@@ -228,6 +229,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'p, R, T,
             goal: Goal::zero(),
             memory: Memory::new(setup.feedback.as_ref(), dof),
             second: second::Memory::new(if WAY == SECOND { dof } else { 0 }),
+            second_aim: if WAY == SECOND { plan.second_aim() } else { None },
             spares_one,
             begin: smallvec![0.0; dof],
         }

@@ -28,9 +28,11 @@ const BACK: f64 = 0.7;
 /// From this step on steps get shorter, and the last ones are left to the target alone.
 const SHORTER: u32 = 10;
 const LAST: u32 = 4;
-/// A step shorter than this is the last: what it leaves is of the order of its square. Of the
-/// limits' measure one that gains less than this share of it.
+/// A step shorter than this is the last: what it leaves is of the order of its square. Nearness
+/// counts where answers are to be the nearest. Of the limits' measure the last step is one that
+/// gains less than this share of it.
 const SETTLED: f64 = 3e-3;
+const SETTLED_NEAR: f64 = 4e-4;
 const SETTLED_STEEP: f64 = 3e-2;
 const GAIN: f64 = 1e-4;
 /// Steps shorter than this do not tell how a cubic bends.
@@ -52,10 +54,15 @@ struct Slope<R: Real> {
 }
 
 impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, WAY> {
-    /// One step along the curve of the lanes in `moving`.
+    /// One step along the curve of the lanes in `moving`, whose columns have been filled in.
     #[inline(always)]
-    pub(super) fn curve_step(&mut self, second: &Second, error: &TaskError<R, M>, moving: u32) {
-        let (squared, per_radian) = self.fill_columns(error);
+    pub(super) fn curve_step(
+        &mut self,
+        second: &Second,
+        error: &TaskError<R, M>,
+        moving: u32,
+        (squared, per_radian): (R, R),
+    ) {
         let begins = self.second.stepped.lt(R::splat(0.5));
         let factored = self.follow_curve(begins);
         let unit = |slides: bool| if slides { per_radian } else { R::splat(1.0) };
@@ -137,6 +144,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
                 let gains = (value * R::splat(GAIN)).lt((length * fall).abs());
                 R::bits(way.lt(R::splat(SETTLED_STEEP))) & !R::bits(gains)
             }
+            Merit::Near => R::bits(way.lt(R::splat(SETTLED_NEAR))),
             _ => R::bits(way.lt(R::splat(SETTLED))),
         };
         memory.settled = memory.settled & !moving | settled & moving;

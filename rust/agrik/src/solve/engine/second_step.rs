@@ -102,7 +102,7 @@ impl<R: Real, const M: usize> Memory<R, M> {
 impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, WAY> {
     /// Puts a lane to the beginning: what its measure is about, and no step so far.
     pub(super) fn begin_second(&mut self, lane: usize, row: usize) {
-        let Some(second) = self.plan.second_aim() else { return };
+        let Some(second) = self.second_aim else { return };
         self.second.stepped.set_lane(lane, 0.0);
         self.second.settled &= !(1 << lane);
         let start = self.plan.start(row);
@@ -119,13 +119,14 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
     /// One step of the lanes in `moving`.
     #[inline(always)]
     pub(super) fn second_step(&mut self, error: &TaskError<R, M>, moving: u32) {
-        let Some(second) = self.plan.second_aim() else { return };
-        if self.spares_one {
-            return self.curve_step(second, error, moving);
-        }
+        let Some(second) = self.second_aim else { return };
+        // In one place, or it would not be inlined.
         let (squared, per_radian) = self.fill_columns(error);
+        if self.spares_one {
+            return self.curve_step(second, error, moving, (squared, per_radian));
+        }
         for (i, pull) in self.pull.iter_mut().enumerate() {
-            *pull = -second.slope(i, self.q[i], self.second.about[i]);
+            *pull = -second.bends(i, self.q[i], self.second.about[i]).slope;
         }
         if second.measure == Merit::Manipulability {
             let value = self.pull_to_dexterity();
@@ -157,7 +158,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         for (i, ((v, (way, before)), (q, q_before))) in joints.enumerate() {
             steep = way.mul_add(*way, steep);
             let turn = if self.stretches && v.slides { *way * per_radian } else { *way };
-            bend = (turn * turn).mul_add(second.curvature(i, *q), bend);
+            bend = (turn * turn).mul_add(second.bends(i, *q, *q).curvature, bend);
             let change = *q - *q_before;
             let change = if self.stretches && v.slides { change / per_radian } else { change };
             moved = change.mul_add(change, moved);
@@ -333,11 +334,11 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         runs: &mut Runs<'_>,
     ) {
         let Some(place) = self.jobs[lane].place.take() else { return };
-        let Some(second) = self.plan.second_aim() else { return runs.keep(place) };
+        let Some(second) = self.second_aim else { return runs.keep(place) };
         let q: PerJoint<f64> = self.q.iter().map(|x| x.lane(lane)).collect();
         let about = |i: usize| self.second.about[i].lane(lane);
         let value = |q: &[f64]| -> f64 {
-            q.iter().enumerate().map(|(i, x)| second.value(i, *x, about(i))).sum()
+            q.iter().enumerate().map(|(i, x)| second.bends(i, *x, about(i)).value).sum()
         };
         let before = runs.q(place);
         let better = match second.measure {
