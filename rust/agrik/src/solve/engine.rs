@@ -203,7 +203,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'p, R, T,
                 matches!(settings.step, Step::LevenbergMarquardt { .. })
                     && !settings.plain
                     && settings.max_restarts >= attempts::MOST_STARTS
-                    && plan.bounds.is_none()
+                    && (plan.bounds.is_none() || plan.limited)
                     && plan.pull.is_none()
             },
             most_restarts: if first {
