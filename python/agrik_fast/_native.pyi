@@ -357,6 +357,7 @@ class Chain:
         second_aim: object = None,
         nearest: int | bool | None = None,
         joint_weights: ArrayLike | None = None,
+        limits: ArrayLike | None = None,
     ) -> IkResult:
         """Solve a batch of targets; see `agrik_fast.Robot.ik`.
 

@@ -146,3 +146,72 @@ def test_wrong_limits_and_locks_are_named():
         arm.ik(pose, base=np.zeros((4, 4)))
     with pytest.raises(ArgumentError, match="robots"):
         ik.Robot.ik_many([arm, ik.Robot.load("ur5")], pose)
+
+
+@pytest.mark.parametrize("name", ["ur5", "panda", "iiwa14", "strawberry"])
+def test_limits_of_each_row_are_kept_and_cost_little(name):
+    arm = ik.Robot.load(name)
+    q = arm.random_q(300, seed=3)
+    poses = arm.fk(q) if arm.dof >= 6 else arm.fk(q)[:, :3, 3]
+    rng = np.random.default_rng(1)
+    below, above = rng.uniform(0.05, 1.0, (2, *q.shape))
+    limits = np.stack([q - below, q + above], axis=-1)
+    result = arm.ik(poses, limits=limits)
+    assert result.success.mean() >= 0.99
+    assert (result.q >= limits[..., 0]).all() and (result.q <= limits[..., 1]).all()
+    # A row does not depend on the others, nor on threads.
+    for row in (0, 150, 299):
+        one = slice(row, row + 1)
+        alone = arm.ik(poses[one], limits=limits[one], first_index=row)
+        assert np.array_equal(alone.q, result.q[one])
+    some = arm.ik(poses[100:], limits=limits[100:], first_index=100, threads=1)
+    assert np.array_equal(some.q, result.q[100:])
+    from_there = arm.ik(poses, q0=q, limits=limits)
+    assert from_there.success.all() and (from_there.iterations == 0).all()
+    assert np.array_equal(from_there.q, q)
+
+
+def test_limits_of_each_row_say_what_cannot_be():
+    arm = ik.Robot.load("panda")
+    q = arm.random_q(6, seed=3)
+    poses = arm.fk(q)
+    limits = np.stack([np.full_like(q, np.nan), np.full_like(q, np.nan)], axis=-1)
+    # NaN: the robot's own.
+    assert arm.ik(poses, limits=limits).success.all()
+    limits[1, 2] = [0.5, -0.5]
+    limits[2] = np.stack([q[2] + 0.3, q[2] + 0.4], axis=-1)
+    poses[3, :3, 3] = [9, 0, 0]
+    result = arm.ik(poses, limits=limits, solver=ik.solvers.LevenbergMarquardt(max_restarts=20))
+    assert result.status[1] == Status.BAD_INPUT
+    assert result.status[2] == Status.NOT_FOUND
+    assert ((result.q[2] >= limits[2, :, 0]) & (result.q[2] <= limits[2, :, 1])).all()
+    assert result.status[3] == Status.OUT_OF_REACH
+    assert result.success[[0, 4, 5]].all()
+    wide = np.stack([q - 4.0, q + 4.0], axis=-1)
+    beyond = arm.ik(poses[:2], limits=wide[:2])
+    assert beyond.success.all()
+
+
+@pytest.mark.parametrize("solver", ["auto", "lm"])
+def test_limits_of_each_row_for_every_solver(solver):
+    arm = ik.Robot.load("ur5")
+    q = arm.random_q(8, seed=3)
+    limits = np.stack([q - 0.5, q + 0.5], axis=-1)
+    for wish in ({}, {"second_aim": "middle"}, {"q0": q, "nearest": True}):
+        result = arm.ik(arm.fk(q), limits=limits, solver=solver, **wish)
+        assert result.success.all()
+        assert ((result.q >= limits[..., 0]) & (result.q <= limits[..., 1])).all()
+
+
+def test_a_joint_that_turns_freely_stays_between_limits_of_its_row():
+    arm = ik.Robot.load("ur5").with_limits({"wrist_3": (-np.inf, np.inf), "elbow": (-3.0, 3.0)})
+    assert arm.joint_types[-1] == "continuous"
+    q = arm.random_q(60, seed=3)
+    limits = np.full((60, 6, 2), np.nan)
+    limits[:30, 5] = np.stack([q[:30, 5] + 2 * np.pi - 0.5, q[:30, 5] + 2 * np.pi + 0.5], axis=-1)
+    limits[30:45, 5] = [-9.0, 9.0]
+    result = arm.ik(arm.fk(q), limits=limits)
+    assert result.success.all()
+    at = result.q[:45, 5]
+    assert ((at >= limits[:45, 5, 0]) & (at <= limits[:45, 5, 1])).all()
+    assert (abs(result.q[45:, 5]) <= np.pi + 1e-9).all()

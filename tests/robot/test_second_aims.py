@@ -6,7 +6,7 @@ from scipy.optimize import minimize
 
 import agrik_fast as ik
 from agrik_fast.errors import ArgumentError, UnknownNameError
-from agrik_fast.tasks import SecondAim
+from agrik_fast.tasks import Axis, Pose, Position, SecondAim
 
 SEVEN = ("redundant7", "panda", "iiwa14")
 MEASURES = ("near", "middle", "limits", "manipulability")
@@ -74,6 +74,83 @@ def test_the_end_is_a_local_optimum(measure):
         near = abs(off(best.x)).max() < 1e-5
         missed += bool(near and gain > 1e-3)
     assert missed <= 1
+
+
+def betterable(arm, task, measure, found, gain=1e-3):
+    """Return which answers 0.01 rad along the arm's own freedom, to either side, are better."""
+    position = task == Position()
+
+    def rows(q):
+        jacobian = arm.jacobian(q)
+        if position:
+            return jacobian[:, :3]
+        if task == Pose():
+            return jacobian
+        # Turns about the tool's own axis are free.
+        across = np.swapaxes(arm.fk(q)[:, :3, :2], 1, 2)
+        return np.concatenate([jacobian[:, :3], across @ jacobian[:, 3:]], 1)
+
+    def error(q):
+        now, goal = arm.fk(q), arm.fk(found.q)
+        moved = goal[:, :3, 3] - now[:, :3, 3]
+        if position:
+            return moved
+        if task == Pose():
+            return np.concatenate(
+                [moved, np.cross(now[:, :3, :3], goal[:, :3, :3], axis=1).sum(2) / 2], 1
+            )
+        turned = np.cross(now[:, :3, 2], goal[:, :3, 2])
+        return np.concatenate([moved, np.einsum("nij,ni->nj", now[:, :3, :2], turned)], 1)
+
+    before, better = value(arm, measure, found.q), np.zeros(len(found.q), dtype=bool)
+    along = np.linalg.svd(rows(found.q))[2][:, -1]
+    for side in (0.01, -0.01):
+        q = found.q + side * along
+        for _ in range(4):
+            q = q + np.einsum("nij,nj->ni", np.linalg.pinv(rows(q)), error(q))
+        inside = ((q >= arm.lower) & (q <= arm.upper)).all(1) & (abs(error(q)).max(1) < 1e-6)
+        better |= inside & (value(arm, measure, q) < before - gain)
+    return better & found.success
+
+
+@pytest.mark.parametrize("measure", MEASURES)
+@pytest.mark.parametrize("name", [*SEVEN, "sliding"])
+def test_few_steps_lead_to_where_nothing_near_is_better(name, measure):
+    # One joint is to spare: a search along a curve, of 4 to 5 steps on average.
+    arm = sliding() if name == "sliding" else ik.Robot.load(name)
+    poses = arm.fk(arm.random_q(400, seed=8))
+    found, plain = arm.ik(poses, second_aim=measure), arm.ik(poses)
+    assert betterable(arm, Pose(), measure, found).mean() <= 0.01
+    alike = found.restarts == plain.restarts
+    steps = found.iterations[alike].astype(int) - plain.iterations[alike].astype(int)
+    assert 2 < steps.mean() < 6
+
+
+def sliding():
+    """Return the iiwa 14 on a rail that its last joint was given up for, in its kind of units."""
+    rows = [(0, -np.pi / 2, 0.36, 0), (0, np.pi / 2, 0, 0), (0, np.pi / 2, 0.42, 0)]
+    rows += [(0, -np.pi / 2, 0, 0), (0, -np.pi / 2, 0.4, 0), (0, np.pi / 2, 0, 0)]
+    rows = [(0, np.pi / 2, 0, 0), *rows]
+    limits = [(-0.5, 0.5), *[(-2.9, 2.9)] * 6]
+    kinds = ["prismatic", *["revolute"] * 6]
+    return ik.Robot.from_dh(rows, limits=limits, joint_types=kinds)
+
+
+@pytest.mark.parametrize(
+    ("name", "task"), [("ur5", Axis()), ("planar", Position())], ids=["axis", "position"]
+)
+@pytest.mark.parametrize("measure", ["near", "middle", "limits"])
+def test_other_tasks_with_one_joint_to_spare(name, task, measure):
+    arm = ik.Robot.load("ur5") if name == "ur5" else four()
+    found = arm.ik(arm.fk(arm.random_q(300, seed=8)), task, second_aim=measure)
+    assert found.success.mean() > 0.98
+    assert betterable(arm, task, measure, found).mean() <= 0.02
+
+
+def four():
+    """Return an arm of four joints whose places fill a space."""
+    rows = [(0, np.pi / 2, 0.3, 0), (0.3, 0, 0, 0), (0.3, np.pi / 2, 0, 0), (0.25, 0, 0.1, 0)]
+    return ik.Robot.from_dh(rows, limits=[(-2.5, 2.5)] * 4)
 
 
 def test_weights_and_a_posture_decide():

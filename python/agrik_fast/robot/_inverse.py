@@ -19,7 +19,7 @@ from .._checks import (
 )
 from .._stream import solve_ahead
 from ..errors import ArgumentError
-from ._limits import JointLimits, with_limits_of_rows
+from ._limits import JointLimits, in_the_core, limits_of_rows, with_limits_of_rows
 from ._many import in_base
 from ._path import Path
 from ._targets import Order, as_targets
@@ -164,7 +164,9 @@ class InverseKinematics:
         limits : array_like, shape (n, 2) or broadcastable to (..., n, 2), rad or m, optional
             Smallest and largest joint values of this call, or of each target, in place of the
             robot's; NaN keeps the robot's. A row whose lower limit is above the upper one is
-            ``Status.BAD_INPUT``.
+            ``Status.BAD_INPUT``. Those of each target cost little with the solvers that follow
+            the Jacobian, and about a millisecond a target with others, with `second_aim`,
+            `nearest` or in a scene.
         base : array_like, shape broadcastable to (..., 4, 4), optional
             Where the arm's base stands for each target, in place of `Robot.base`, m.
         order : {"xyz_xyzw", "xyz_wxyz", "xyzw_xyz", "wxyz_xyz"}, optional
@@ -208,7 +210,11 @@ class InverseKinematics:
             targets = as_targets(targets, order, word("invalid", invalid, INVALID))
         if base is not None:
             targets = in_base(self._chain.base, targets, base)
-        if limits is not None:
+        each: FloatArray | None = None
+        if limits is not None and in_the_core(solver, scene, second_aim, nearest):
+            table, rows = limits_of_rows(cast(JointLimits, self), targets, limits)
+            each = None if rows is None else table
+        if limits is not None and each is None:
             return with_limits_of_rows(
                 InverseKinematics.ik,
                 cast(JointLimits, self),
@@ -251,6 +257,7 @@ class InverseKinematics:
             second_aim,
             nearest,
             joint_weights,
+            each,
         )
 
     def solver(

@@ -17,7 +17,10 @@ from ._definition import Definition
 if TYPE_CHECKING:
     from ..result import IkResult
 
-__all__ = ["JointLimits", "with_limits_of_rows"]
+__all__ = ["JointLimits", "in_the_core", "limits_of_rows", "with_limits_of_rows"]
+
+#: Solvers to which the core gives limits of each row.
+STEPS = frozenset({"lm", "dls", "pinv", "pinv-closed", "transpose"})
 
 
 class JointLimits:
@@ -147,14 +150,10 @@ class JointLimits:
         return self._with(self._definition.replaced(dh=None, convention=None, **changes))
 
 
-def with_limits_of_rows(
-    solve: Callable[..., IkResult],
-    arm: JointLimits,
-    targets: ArrayLike,
-    limits: ArrayLike,
-    **options: Any,
-) -> IkResult:
-    """Solve targets within limits of the call, or of each row, by `Robot.ik`."""
+def limits_of_rows(
+    arm: JointLimits, targets: ArrayLike, limits: ArrayLike
+) -> tuple[FloatArray, tuple[int, ...] | None]:
+    """Return limits with NaN made the arm's own; if of each row, with the rows' shape."""
     dof = len(arm.joint_names)
     table = float_array("limits", limits)
     own = np.stack([arm.lower, arm.upper], axis=1)
@@ -163,15 +162,36 @@ def with_limits_of_rows(
         raise ArgumentError("limits", f"shape {table.shape}", f"shape {expected}")
     table = np.where(np.isnan(table), own, table)
     if table.ndim == 2:
-        return solve(arm.with_limits(table), targets, **options)
-    goals = float_array("targets", targets)
-    inner = 2 if goals.shape[-2:] == (4, 4) else 1
-    leading = goals.shape[:-inner]
+        return table, None
+    shape = np.shape(targets)
+    leading = shape[: -2 if shape[-2:] == (4, 4) else -1]
     try:
-        table = np.broadcast_to(table, (*leading, dof, 2)).reshape(-1, dof, 2)
+        return np.broadcast_to(table, (*leading, dof, 2)), leading
     except ValueError:
         expected = f"one that broadcasts to {(*leading, dof, 2)}"
         raise ArgumentError("limits", f"shape {np.shape(limits)}", expected) from None
+
+
+def in_the_core(solver: object, *others: object) -> bool:
+    """Return whether limits of each row are left to the core: step solvers, and no other wish."""
+    name = solver if isinstance(solver, str) else getattr(solver, "name", "")
+    return name in STEPS and not any(others)
+
+
+def with_limits_of_rows(
+    solve: Callable[..., IkResult],
+    arm: JointLimits,
+    targets: ArrayLike,
+    limits: ArrayLike,
+    **options: Any,
+) -> IkResult:
+    """Solve targets within limits of the call, or of each row, by `Robot.ik`."""
+    table, leading = limits_of_rows(arm, targets, limits)
+    if leading is None:
+        return solve(arm.with_limits(table), targets, **options)
+    dof = len(arm.joint_names)
+    table = table.reshape(-1, dof, 2)
+    goals = float_array("targets", targets)
     goals = goals.reshape(-1, *goals.shape[len(leading) :])
     q0, first = options.pop("q0"), options.pop("first_index")
     if q0 is not None:

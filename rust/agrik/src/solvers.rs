@@ -6,7 +6,7 @@ use crate::closed_form::{ArmAngle, Choice, Query};
 use crate::error::Result;
 use crate::lanes::Level;
 use crate::nearest::{Nearest, Nearness};
-use crate::solve::{Climb, Plan, Refined, Settings, population};
+use crate::solve::{Climb, Limited, Plan, Refined, Settings, population};
 
 /// A solver with its settings.
 #[derive(Debug, Clone)]
@@ -93,6 +93,16 @@ impl Solver {
         Ok(Call::Nearest(Box::new(Nearest::new(request, nearness, call)?)))
     }
 
+    /// A request to a step solver, whose rows have limits of their own; none for other solvers.
+    pub fn limited_call<'a>(
+        &self,
+        request: Request<'a>,
+        limits: &'a [[f64; 2]],
+    ) -> Result<Option<Call<'a>>> {
+        let Self::Step(settings) = self else { return Ok(None) };
+        Ok(Some(Call::Limited(Box::new(Limited::new(request, settings.clone(), limits)?))))
+    }
+
     fn plain_call<'a>(&self, request: Request<'a>) -> Result<Call<'a>> {
         match self {
             Self::Step(settings) => Ok(Call::Plan(Plan::new(request, settings.clone())?)),
@@ -127,6 +137,8 @@ pub enum Call<'a> {
     Query(Query<'a>),
     /// Of a closed form, with the default step solver behind it.
     Auto(Auto<'a>),
+    /// Of a step solver, within limits of each row.
+    Limited(Box<Limited<'a>>),
     /// Of any of them, whose answers are moved to where a second aim is best.
     Refined(Box<Refined<'a, Self>>),
     /// Of any of them, whose answers are replaced by nearer ones.
@@ -143,6 +155,7 @@ impl Call<'_> {
             Self::Evolution(evolution) => evolution,
             Self::Query(query) => query,
             Self::Auto(auto) => auto,
+            Self::Limited(limited) => &**limited,
             Self::Refined(refined) => &**refined,
             Self::Nearest(nearest) => &**nearest,
             Self::Climb(climb) => &**climb,

@@ -17,7 +17,7 @@ use super::locked::Locked;
 use super::second::nearness;
 use super::signals::Signals;
 use crate::collision::guard;
-use crate::convert::{self, shape_text};
+use crate::convert::{self, Floats, shape_text};
 use crate::errors;
 use crate::result::{IkResult, Origin};
 use crate::solvers::solver::chosen;
@@ -27,6 +27,10 @@ const MANY: usize = 1024;
 /// Most values of a sweep.
 const MOST_VALUES: u64 = 100_000;
 
+/// How near answers are to be, by which weights, and within which limits of each row.
+type Wanted<'a, 'py> =
+    (Option<&'a Bound<'py, PyAny>>, Option<&'a Bound<'py, PyAny>>, Option<&'a Bound<'py, PyAny>>);
+
 /// Solves the targets of a call.
 pub fn solve(
     py: Python<'_>,
@@ -34,7 +38,7 @@ pub fn solve(
     convention: Option<DhConvention>,
     given: &Arguments<'_, '_>,
     scene: &guard::Given<'_, '_>,
-    near: (Option<&Bound<'_, PyAny>>, Option<&Bound<'_, PyAny>>),
+    (nearest, weights, limits): Wanted<'_, '_>,
 ) -> PyResult<IkResult> {
     let call = Call::new(py, chain, given)?;
     let mut points = Vec::new();
@@ -46,12 +50,22 @@ pub fn solve(
     }
     let solver = chosen(given.solver, chain.name())?;
     let threads = call.options.threads;
-    let nearness = nearness(py, chain, near.0, near.1)?;
-    let ready = match &nearness {
-        None => solver.call(request),
-        Some(nearness) => solver.nearest_call(request, nearness),
+    let nearness = nearness(py, chain, nearest, weights)?;
+    let limits = limits.map(|limits| {
+        let shape = [call.targets.leading_shape(), &[chain.dof(), 2]].concat();
+        Floats::of_shape("limits", limits, &shape)
+    });
+    let limits = limits.transpose()?;
+    let ready = match (&nearness, &limits) {
+        (None, None) => solver.call(request).map(Some),
+        (Some(nearness), None) => solver.nearest_call(request, nearness).map(Some),
+        (None, Some(limits)) => solver.limited_call(request, limits.values()?.as_chunks().0),
+        (Some(_), Some(_)) => Ok(None),
     };
-    let ready = ready.map_err(|error| errors::from_core(py, error))?;
+    let ready = ready.map_err(|error| errors::from_core(py, error))?.ok_or_else(|| {
+        let expected = "none, or a step solver without nearest=True";
+        errors::argument(py, "limits", "limits of each row", expected)
+    })?;
     let mut signals = Signals::new();
     // A single target takes less time than it takes to let the interpreter go and get it back.
     let answers = if request.len() <= 1 && !matches!(solver, Solver::Population(_)) {

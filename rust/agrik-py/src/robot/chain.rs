@@ -293,7 +293,7 @@ impl Chain {
         targets, task=None, solver=None, q0=None, seed=None, tool=None, threads=None,
         position_tolerance=None, orientation_tolerance=None, first_index=None,
         tolerance_frame=None, collider=None, clear=None, prefer=None, invalid=None,
-        second_aim=None, nearest=None, joint_weights=None
+        second_aim=None, nearest=None, joint_weights=None, limits=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn ik(
@@ -317,6 +317,7 @@ impl Chain {
         second_aim: Option<&Bound<'_, PyAny>>,
         nearest: Option<&Bound<'_, PyAny>>,
         joint_weights: Option<&Bound<'_, PyAny>>,
+        limits: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<IkResult> {
         let given = Arguments {
             targets,
@@ -334,7 +335,7 @@ impl Chain {
             second_aim,
         };
         let guard = guard::Given { collider, clear, prefer };
-        batch::solve(py, &self.0, self.1, &given, &guard, (nearest, joint_weights))
+        batch::solve(py, &self.0, self.1, &given, &guard, (nearest, joint_weights, limits))
     }
 
     /// Make a solver for one target at a time; see `agrik_fast.Robot.solver`.

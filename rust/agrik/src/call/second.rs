@@ -61,6 +61,15 @@ impl Joint {
     }
 }
 
+/// What a joint value adds to a measure, and its derivatives.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bends<R> {
+    pub value: R,
+    pub slope: R,
+    pub curvature: R,
+    pub third: R,
+}
+
 impl Second {
     /// A checked second aim: `posture` for [`Merit::Near`] alone, and a weight a joint.
     pub fn new(
@@ -98,59 +107,35 @@ impl Second {
         Self { posture: Some(own), ..self.clone() }
     }
 
-    /// The slope of the measure at a joint value, where it is the sum of what the joints add.
+    /// What a joint value adds to the measure, and its first three derivatives; the less it adds the
+    /// better. Nothing where the measure is no sum over the joints.
     #[inline(always)]
-    pub(crate) fn slope<R: Real>(&self, i: usize, q: R, about: R) -> R {
+    pub(crate) fn bends<R: Real>(&self, i: usize, q: R, about: R) -> Bends<R> {
         let (joint, weight) = (&self.joints[i], self.weights[i]);
         let Joint { lower, upper, middle, half } = *joint;
+        let quadratic = |off: R, weight: f64| {
+            let slope = off * R::splat(weight);
+            let value = R::splat(0.5) * slope * off;
+            Bends { value, slope, curvature: R::splat(weight), third: R::zero() }
+        };
         match self.measure {
-            Merit::Near => (q - about) * R::splat(weight),
-            Merit::Middle if half > 0.0 => {
-                (q - R::splat(middle)) * R::splat(weight / (half * half))
-            }
-            Merit::Limits if half > 0.0 => {
-                let least = R::splat(2.0 * half * LEAST);
-                let up = (R::splat(upper) - q).max(least);
-                let down = (q - R::splat(lower)).max(least);
-                let product = up * down;
-                (down - up) * R::splat(weight * half * half) / (product * product)
-            }
-            _ => R::zero(),
-        }
-    }
-
-    /// How the slope changes with the joint value.
-    #[inline(always)]
-    pub(crate) fn curvature<R: Real>(&self, i: usize, q: R) -> R {
-        let (joint, weight) = (&self.joints[i], self.weights[i]);
-        let Joint { lower, upper, half, .. } = *joint;
-        match self.measure {
-            Merit::Near => R::splat(weight),
-            Merit::Middle if half > 0.0 => R::splat(weight / (half * half)),
+            Merit::Near => quadratic(q - about, weight),
+            Merit::Middle if half > 0.0 => quadratic(q - R::splat(middle), weight / (half * half)),
             Merit::Limits if half > 0.0 => {
                 let least = R::splat(2.0 * half * LEAST);
                 let up = (R::splat(upper) - q).max(least);
                 let down = (q - R::splat(lower)).max(least);
                 let (product, change) = (up * down, up - down);
-                let sum = (change * change + product) * R::splat(2.0 * weight * half * half);
-                sum / (product * product * product)
+                let inverse = R::splat(1.0) / product;
+                let value = R::splat(weight * half * half) * inverse;
+                let steep = change * inverse;
+                let twice = value + value;
+                let curvature = twice * steep.mul_add(steep, inverse);
+                let third =
+                    R::splat(-3.0) * twice * steep * steep.mul_add(steep, inverse + inverse);
+                Bends { value, slope: R::zero() - value * steep, curvature, third }
             }
-            _ => R::zero(),
-        }
-    }
-
-    /// What a joint adds to the measure; the less the better.
-    pub(crate) fn value(&self, i: usize, q: f64, about: f64) -> f64 {
-        let (joint, weight) = (&self.joints[i], self.weights[i]);
-        let Joint { lower, upper, middle, half, .. } = *joint;
-        match self.measure {
-            Merit::Near => 0.5 * weight * (q - about).powi(2),
-            Merit::Middle if half > 0.0 => 0.5 * weight * ((q - middle) / half).powi(2),
-            Merit::Limits if half > 0.0 => {
-                let least = 2.0 * half * LEAST;
-                weight * half * half / ((upper - q).max(least) * (q - lower).max(least))
-            }
-            _ => 0.0,
+            _ => quadratic(R::zero(), 0.0),
         }
     }
 }
@@ -166,5 +151,40 @@ pub fn check_weights(weights: &[f64], dof: usize) -> Result<()> {
             Err(Error::argument("weights", "at least one number above 0", "none"))
         }
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::IsometryMatrix3;
+
+    use super::*;
+    use crate::chain::{DhConvention, DhRow, JointKind};
+
+    #[test]
+    fn derivatives_are_those_of_the_value() {
+        let joints = [(-1.0, 2.0), (-1.5, 1.2)].map(|(lower, upper)| {
+            let row = DhRow { a: 0.3, alpha: 1.2, d: 0.1, theta: 0.0 };
+            let name = format!("joint_{upper}");
+            row.joint(DhConvention::Standard, name, JointKind::Revolute, lower, upper)
+        });
+        let none = IsometryMatrix3::identity();
+        let chain = Chain::new("arm", joints.into(), none, none, None).expect("a chain");
+        for (name, merit) in &Merit::ALL[..3] {
+            let second = Second::new(&chain, *merit, None, Some(vec![0.7, 2.0])).expect("fine");
+            for i in 0..2 {
+                for q in [-0.9, -0.2, 0.4, 1.1] {
+                    let (h, about) = (1e-5, 0.3);
+                    let [below, at, above] = [q - h, q, q + h].map(|q| second.bends(i, q, about));
+                    let close = |got: f64, a: f64, b: f64| {
+                        let wanted = (b - a) / (2.0 * h);
+                        assert!((got - wanted).abs() < 1e-6 * (1.0 + wanted.abs()), "{name} {q}");
+                    };
+                    close(at.slope, below.value, above.value);
+                    close(at.curvature, below.slope, above.slope);
+                    close(at.third, below.curvature, above.curvature);
+                }
+            }
+        }
     }
 }

@@ -8,6 +8,7 @@ mod attempts;
 mod feedback;
 mod nearest;
 mod runs;
+mod second_curve;
 mod second_step;
 mod slack;
 
@@ -23,7 +24,7 @@ use super::limit::{Limit, limits, nearest_turn};
 use super::plan::Plan;
 use super::setup::Setup;
 use super::step::{Step, dot, pulled, squared_norm};
-use crate::call::{AnswersMut, INSIDE, Measure, Tolerance};
+use crate::call::{AnswersMut, INSIDE, Measure, Second, Tolerance};
 use crate::chain::{JointKind, Variable};
 use crate::kinematics::{PerJoint, Workspace, columns, forward};
 use crate::lanes::Real;
@@ -161,7 +162,10 @@ struct Engine<'p, R: Real, T, const M: usize, const WAY: u8> {
     workspace: Workspace<R>,
     goal: Goal<R>,
     memory: Memory<R, M>,
-    second: second::Memory<R>,
+    second: second::Memory<R, M>,
+    second_aim: Option<&'p Second>,
+    /// The postures that reach a target form curves, along which a second aim looks for the best.
+    spares_one: bool,
     /// The joint values of a start on their way to a lane.
     begin: PerJoint<f64>,
 }
@@ -175,7 +179,12 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'p, R, T,
         let dof = variables.len();
         let limits = limits(plan);
         let first = setup.aim.puts_position_first();
-        let steps = if WAY == SECOND { second::STEPS } else { settings.max_iterations };
+        let spares_one = WAY == SECOND && plan.spares_one(M);
+        let steps = match WAY {
+            SECOND if spares_one => second::CURVE_STEPS,
+            SECOND => second::STEPS,
+            _ => settings.max_iterations,
+        };
         Self {
             plan,
             setup,
@@ -194,7 +203,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'p, R, T,
                 matches!(settings.step, Step::LevenbergMarquardt { .. })
                     && !settings.plain
                     && settings.max_restarts >= attempts::MOST_STARTS
-                    && plan.bounds.is_none()
+                    && (plan.bounds.is_none() || plan.limited)
                     && plan.pull.is_none()
             },
             most_restarts: if first {
@@ -220,6 +229,8 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'p, R, T,
             goal: Goal::zero(),
             memory: Memory::new(setup.feedback.as_ref(), dof),
             second: second::Memory::new(if WAY == SECOND { dof } else { 0 }),
+            second_aim: if WAY == SECOND { plan.second_aim() } else { None },
+            spares_one,
             begin: smallvec![0.0; dof],
         }
     }

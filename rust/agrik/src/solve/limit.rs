@@ -53,6 +53,25 @@ impl Limit {
         if self.turns && self.winds && inside { Self { ends, winds: false, ..self } } else { self }
     }
 
+    /// The same where these are limits in place of a joint's own.
+    fn in_place_of_own(self) -> Self {
+        let bounded = self.lower.is_finite() && self.upper.is_finite();
+        let middle = if bounded { 0.5 * (self.lower + self.upper) } else { self.middle };
+        let winds = !self.slides && self.upper - self.lower > TURN;
+        Self { middle: middle.max(self.lower).min(self.upper), winds, ..self }
+    }
+
+    /// A start inside, for one between a joint's own limits: as far from one end as that is.
+    pub fn inside(&self, x: f64, (lower, upper): (f64, f64)) -> f64 {
+        use std::f64::consts::PI;
+        if self.lower <= x && x <= self.upper || !(self.upper - self.lower).is_finite() {
+            return x;
+        }
+        let (lower, upper) = if (upper - lower).is_finite() { (lower, upper) } else { (-PI, PI) };
+        let share = ((x - lower) / (upper - lower)).clamp(0.0, 1.0);
+        self.lower + share * (self.upper - self.lower)
+    }
+
     /// The value that answers stay near, for the caller's `about`; no angle beyond `most` where
     /// that can be helped.
     #[inline(always)]
@@ -114,7 +133,8 @@ pub(super) fn limits(plan: &Plan<'_>) -> PerJoint<Limit> {
                 .zip(bounds)
                 .map(|(v, &(lower, upper))| {
                     let ends = (lower, upper);
-                    Limit { lower, upper, ends, turns: false, winds: false, ..v }
+                    let v = Limit { lower, upper, ends, turns: false, winds: false, ..v };
+                    if plan.limited { v.in_place_of_own() } else { v }
                 })
                 .collect()
         }

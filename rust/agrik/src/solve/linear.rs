@@ -90,39 +90,51 @@ impl<R: Real, const M: usize> Factored<R, M> {
     /// Factors of a matrix whose lower triangle is given.
     #[inline(always)]
     pub fn new(mut a: [[R; M]; M]) -> Self {
+        const { assert!(M <= 6, "`unrolled` counts to six") };
         let (mut pivots, mut inverse) = ([R::zero(); M], [R::zero(); M]);
-        for j in 0..M {
+        unrolled!(j < M, {
             pivots[j] = a[j][j];
             inverse[j] = R::splat(1.0) / a[j][j].max(R::splat(f64::MIN_POSITIVE));
-            for i in j + 1..M {
-                let l = a[i][j] * inverse[j];
-                for k in j + 1..=i {
-                    a[i][k] = l.neg_mul_add(a[k][j], a[i][k]);
+            unrolled!(i < M, {
+                if j < i {
+                    let l = a[i][j] * inverse[j];
+                    unrolled!(k < M, {
+                        if j < k && k <= i {
+                            a[i][k] = l.neg_mul_add(a[k][j], a[i][k]);
+                        }
+                    });
                 }
-            }
-            for row in &mut a[j + 1..] {
-                row[j] *= inverse[j];
-            }
-        }
+            });
+            // Column j now holds L D; scaling it waits until no pivot needs it any more.
+            unrolled!(i < M, {
+                if j < i {
+                    a[i][j] *= inverse[j];
+                }
+            });
+        });
         Self { lower: a, pivots, inverse }
     }
 
     /// The `x` of `A x = b`.
     #[inline(always)]
     pub fn solve(&self, mut b: [R; M]) -> [R; M] {
-        for j in 0..M {
-            for i in j + 1..M {
-                b[i] = self.lower[i][j].neg_mul_add(b[j], b[i]);
-            }
-        }
-        for (x, inverse) in b.iter_mut().zip(self.inverse) {
-            *x *= inverse;
-        }
-        for j in (0..M).rev() {
-            for i in 0..j {
-                b[i] = self.lower[j][i].neg_mul_add(b[j], b[i]);
-            }
-        }
+        unrolled!(j < M, {
+            unrolled!(i < M, {
+                if j < i {
+                    b[i] = self.lower[i][j].neg_mul_add(b[j], b[i]);
+                }
+            });
+        });
+        unrolled!(j < M, {
+            b[j] *= self.inverse[j];
+        });
+        unrolled!(l < M, {
+            unrolled!(i < M, {
+                if i < M - 1 - l {
+                    b[i] = self.lower[M - 1 - l][i].neg_mul_add(b[M - 1 - l], b[i]);
+                }
+            });
+        });
         b
     }
 }

@@ -6,8 +6,8 @@ use super::Settings;
 use super::limit::wound;
 use super::setup::Setup;
 use super::start::Sampler;
-use crate::call::{Aim, Answers, Copies, Goals, Request, Second, Solve, Starts, Tolerance};
-use crate::chain::Chain;
+use crate::call::{Aim, Answers, Copies, Goals, Merit, Request, Second, Solve, Starts, Tolerance};
+use crate::chain::{Chain, Variable};
 use crate::error::{Error, Result};
 use crate::lanes::Level;
 use crate::task::{Goal, Task};
@@ -20,6 +20,9 @@ pub struct Plan<'a> {
     pub(super) sampler: Sampler<'a>,
     /// Limits inside those of the chain that hold for this call, rad or m.
     pub(super) bounds: Option<Vec<(f64, f64)>>,
+    /// These bounds are limits in place of the chain's, perhaps outside of them, and the rows of
+    /// the plan come one at a time.
+    pub(super) limited: bool,
     /// A second aim: share of the way to a posture that each step tries to go.
     pub(super) pull: Option<(f64, Vec<f64>)>,
 }
@@ -81,14 +84,14 @@ impl<'a> Plan<'a> {
     #[inline(always)]
     fn of(request: Request<'a>, setup: Held<'a>) -> Self {
         let sampler = Sampler::new(&request, setup.ranking);
-        Self { request, setup, sampler, bounds: None, pull: None }
+        Self { request, setup, sampler, bounds: None, limited: false, pull: None }
     }
 
     /// What answers are moved to be best at, where the target leaves a freedom for it: what the
     /// request asks for, or the setup.
     pub(super) fn second_aim(&self) -> Option<&Second> {
         let second = self.request.second().or(self.setup().second.as_deref());
-        second.filter(|_| self.leaves_freedom())
+        second.filter(|_| self.leaves_freedom(usize::from(self.turns_freely())))
     }
 
     /// Answers with a joint at a limit are replaced: the target leaves a freedom for it, and nobody
@@ -96,13 +99,33 @@ impl<'a> Plan<'a> {
     pub(super) fn keeps_off_limits(&self) -> bool {
         let settings = &self.setup().settings;
         let steps = !settings.plain && !settings.step.is_feedback();
-        steps && matches!(self.request.starts(), Starts::Free) && self.leaves_freedom()
+        // A free turn about an axis does not count: six joints keep the answers that they had.
+        steps && matches!(self.request.starts(), Starts::Free) && self.leaves_freedom(0)
     }
 
     /// More than one posture around a solution is one.
-    fn leaves_freedom(&self) -> bool {
-        let asked = self.setup().aim.weights().iter().filter(|w| **w != 0.0).count();
-        self.request.chain().dof() > asked || self.setup().slack.is_some()
+    fn leaves_freedom(&self, free: usize) -> bool {
+        self.request.chain().dof() + free > self.weighed() || self.setup().slack.is_some()
+    }
+
+    /// Of the six numbers of a pose those that count.
+    fn weighed(&self) -> usize {
+        self.setup().aim.weights().iter().filter(|w| **w != 0.0).count()
+    }
+
+    /// The tool may turn about its axis.
+    fn turns_freely(&self) -> bool {
+        matches!(self.setup().aim.task(), Task::Axis { .. })
+    }
+
+    /// All of some rows are asked for, of an arm that has one joint more; manipulability is that of
+    /// all six then.
+    pub(super) fn spares_one(&self, rows: usize) -> bool {
+        let all = if self.turns_freely() { rows == 5 } else { rows == self.weighed() };
+        let whole = |second: &Second| second.measure != Merit::Manipulability || rows == 6;
+        all && self.request.chain().dof() == rows + 1
+            && self.setup().slack.is_none()
+            && self.second_aim().is_some_and(whole)
     }
 
     /// What is to be reached.
@@ -124,6 +147,35 @@ impl<'a> Plan<'a> {
         let setup = Setup { settings, ..self.setup().clone() };
         let request = self.request.with(copies, starts);
         Plan { request, setup: Held::Own(Box::new(setup)), ..self.clone() }
+    }
+
+    /// The same plan with other limits.
+    pub(super) fn within(&self, limits: &[[f64; 2]]) -> Plan<'_> {
+        let bounds = Some(limits.iter().map(|[lower, upper]| (*lower, *upper)).collect());
+        let setup = Held::Lent(self.setup());
+        Plan {
+            request: self.request,
+            setup,
+            sampler: self.sampler.clone(),
+            bounds,
+            limited: true,
+            pull: None,
+        }
+    }
+
+    /// Some limits are outside those of the chain, for which its reach holds.
+    fn is_wider(&self) -> bool {
+        let wider =
+            |(v, (lower, upper)): (&Variable, &(f64, f64))| *lower < v.lower || v.upper < *upper;
+        let bounds = self.bounds.iter().filter(|_| self.limited).flatten();
+        self.request.chain().variables().iter().zip(bounds).any(wider)
+    }
+
+    /// The limits of a joint in this plan.
+    pub(super) fn ends(&self, i: usize) -> (f64, f64) {
+        let v = &self.request.chain().variables()[i];
+        let own = (v.lower, v.upper);
+        self.bounds.as_ref().filter(|_| self.limited).map_or(own, |bounds| bounds[i])
     }
 
     /// Starts for target `row`, one after the other: its start values, by turns some around them,
@@ -190,7 +242,7 @@ impl<'a> Plan<'a> {
     pub(super) fn proven_unreachable(&self, goal: &Goal<f64>) -> bool {
         let request = &self.request;
         let (task, tolerance) = (request.task(), request.tolerance());
-        if !request.aim().fixes_position() {
+        if self.is_wider() || !request.aim().fixes_position() {
             return false;
         }
         if self.setup.tool_reach.excess(goal.position) > tolerance.position {

@@ -116,7 +116,7 @@ impl Twists<'_> {
         let middle = |i: usize| self.chain.variables()[i].middle();
         if second.merit() != Merit::Manipulability {
             let about = |i: usize| second.posture().map_or_else(|| middle(i), |p| p[i]);
-            return (0..q.len()).map(|i| -gain * second.slope(i, q[i], about(i))).collect();
+            return (0..q.len()).map(|i| -gain * second.bends(i, q[i], about(i)).slope).collect();
         }
         let mut dexterity = |q: &[f64]| {
             let jacobian = self.jacobian(q, size, workspace) / size;

@@ -63,7 +63,12 @@ impl Plan<'_> {
         let kernel = Loop { plan: self, next, keep_going };
         // A pass over all lanes costs more than one over a number; below a few targets most
         // lanes would be idle.
-        if self.rows() <= FEW { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
+        if self.is_single() { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
+    }
+
+    /// Rows come one after the other.
+    fn is_single(&self) -> bool {
+        self.limited || self.rows() <= FEW
     }
 
     /// Moves the answers of a run to where the second aim is best, if there is one.
@@ -79,7 +84,7 @@ impl Plan<'_> {
         let mut all = Some(rows);
         let next = &mut || all.take();
         let kernel = Refinement { plan: self, next, keep_going };
-        if self.rows() <= FEW { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
+        if self.is_single() { dispatch_single(level, kernel) } else { dispatch(level, kernel) }
     }
 
     /// Looks for other solutions in place of answers with a joint exactly at a limit.
@@ -138,16 +143,18 @@ impl Plan<'_> {
             };
             let joints = found.q(i).iter().zip(chain.variables());
             for (to, (x, v)) in row.finish(0, outcome).iter_mut().zip(joints) {
-                *to = wound(v, *x, v.middle());
+                *to = if self.limited { *x } else { wound(v, *x, v.middle()) };
             }
         }
     }
 
     /// Row `i` of a run has an answer with a joint exactly at a limit.
     fn stands_at_a_limit(&self, rows: &AnswersMut<'_>, i: usize) -> bool {
-        let variables = self.request.chain().variables().iter();
-        rows.ended(i, Status::Converged)
-            && rows.q(i).iter().zip(variables).any(|(x, v)| *x <= v.lower || v.upper <= *x)
+        let at = |(i, x): (usize, &f64)| {
+            let (lower, upper) = self.ends(i);
+            *x <= lower || upper <= *x
+        };
+        rows.ended(i, Status::Converged) && rows.q(i).iter().enumerate().any(at)
     }
 }
 

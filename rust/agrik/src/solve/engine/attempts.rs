@@ -9,7 +9,7 @@ use super::nearest::{End, Search};
 use super::runs::{Place, Runs};
 use super::{Engine, LAW, SECOND};
 use crate::call::{AnswersMut, Guard, Left, Outcome, Prefer, Status};
-use crate::chain::Variable;
+use crate::chain::{JointKind, Variable};
 use crate::kinematics::{PerJoint, Workspace, forward};
 use crate::lanes::Real;
 use crate::solve::limit::bring_near;
@@ -397,7 +397,11 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
                 &self.begin
             }
         };
-        for ((q, x), v) in self.q.iter_mut().zip(begin).zip(&self.limits) {
+        let joints = self.q.iter_mut().zip(begin).zip(&self.limits).zip(self.variables);
+        for (((q, x), v), own) in joints {
+            // Sampled between the joint's own limits.
+            let sampled = self.plan.limited && (attempt > 0 || given.is_none());
+            let x = if sampled { v.inside(*x, (own.lower, own.upper)) } else { *x };
             q.set_lane(lane, x.max(v.lower).min(v.upper));
         }
         if self.has_continuous || self.winds {
@@ -405,6 +409,10 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             let given = self.plan.request.start(row);
             let most = self.setup.well_known(goal);
             for (i, (reference, v)) in self.reference.iter_mut().zip(&self.limits).enumerate() {
+                // Limits given to a joint that turns freely end its turns where they are.
+                let ends = self.plan.limited && (v.upper - v.lower).is_finite();
+                let ends = ends && self.variables[i].kind == JointKind::Continuous;
+                let given = given.filter(|_| !ends);
                 let about = given.map_or(v.middle, |start| v.reference(start[i], most));
                 reference.set_lane(lane, about);
                 if v.turns && !v.winds {

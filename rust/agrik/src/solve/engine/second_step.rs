@@ -17,8 +17,9 @@ use crate::solve::linear::Factored;
 use crate::solve::step::pulled;
 use crate::task::{Rows, TaskError};
 
-/// Most steps of a target.
+/// Most steps of a target, and of one along a curve.
 pub(super) const STEPS: u32 = 40;
+pub(super) const CURVE_STEPS: u32 = 28;
 /// Longest change of a joint along the measure in one step, and the one of a first step whose
 /// length nothing tells, rad or sizes of the robot.
 const LONGEST: f64 = 0.3;
@@ -46,19 +47,27 @@ const HOLDS: usize = 3;
 const FLOOR: f64 = 1e-9;
 
 /// What is remembered from step to step, lane by lane.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Memory<R> {
-    /// The projected way down the measure, and the one of the step before with its posture.
-    along: PerJoint<R>,
+#[derive(Debug, Clone)]
+pub(super) struct Memory<R, const M: usize> {
+    /// The projected way down the measure, and the one of the step before with its posture; of a
+    /// curve its direction.
+    pub along: PerJoint<R>,
     before: PerJoint<R>,
     before_q: PerJoint<R>,
-    about: PerJoint<R>,
+    pub about: PerJoint<R>,
+    /// Of a curve: how it bends, the way back to it, what a joint does for the limits' sake, and
+    /// the columns of the Jacobian as `J J^T` sees them.
+    pub bend: PerJoint<R>,
+    pub back: PerJoint<R>,
+    pub inverse: PerJoint<R>,
+    pub worths: PerJoint<[R; M]>,
     columns: PerJoint<(usize, V3<R>, V3<R>)>,
     /// What manipulability was before the first step, and before the last.
-    value: (R, R),
-    /// Steps so far, and the length of the last.
-    stepped: R,
-    length: R,
+    pub value: (R, R),
+    /// Steps so far, the length of the last, and how fast the measure fell where it began.
+    pub stepped: R,
+    pub length: R,
+    pub fall: R,
     /// Which joints are held, and were in the step before: a bit each, as a number.
     held: R,
     held_before: R,
@@ -66,7 +75,7 @@ pub(super) struct Memory<R> {
     pub settled: u32,
 }
 
-impl<R: Real> Memory<R> {
+impl<R: Real, const M: usize> Memory<R, M> {
     pub fn new(dof: usize) -> Self {
         let zeros = || smallvec![R::zero(); dof];
         Self {
@@ -74,10 +83,15 @@ impl<R: Real> Memory<R> {
             before: zeros(),
             before_q: zeros(),
             about: zeros(),
+            bend: zeros(),
+            back: zeros(),
+            inverse: zeros(),
+            worths: smallvec![[R::zero(); M]; dof],
             columns: PerJoint::new(),
             value: (R::zero(), R::zero()),
             stepped: R::zero(),
             length: R::zero(),
+            fall: R::zero(),
             held: R::zero(),
             held_before: R::zero(),
             settled: 0,
@@ -88,7 +102,7 @@ impl<R: Real> Memory<R> {
 impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, WAY> {
     /// Puts a lane to the beginning: what its measure is about, and no step so far.
     pub(super) fn begin_second(&mut self, lane: usize, row: usize) {
-        let Some(second) = self.plan.second_aim() else { return };
+        let Some(second) = self.second_aim else { return };
         self.second.stepped.set_lane(lane, 0.0);
         self.second.settled &= !(1 << lane);
         let start = self.plan.start(row);
@@ -105,10 +119,14 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
     /// One step of the lanes in `moving`.
     #[inline(always)]
     pub(super) fn second_step(&mut self, error: &TaskError<R, M>, moving: u32) {
-        let Some(second) = self.plan.second_aim() else { return };
+        let Some(second) = self.second_aim else { return };
+        // In one place, or it would not be inlined.
         let (squared, per_radian) = self.fill_columns(error);
+        if self.spares_one {
+            return self.curve_step(second, error, moving, (squared, per_radian));
+        }
         for (i, pull) in self.pull.iter_mut().enumerate() {
-            *pull = -second.slope(i, self.q[i], self.second.about[i]);
+            *pull = -second.bends(i, self.q[i], self.second.about[i]).slope;
         }
         if second.measure == Merit::Manipulability {
             let value = self.pull_to_dexterity();
@@ -140,7 +158,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         for (i, ((v, (way, before)), (q, q_before))) in joints.enumerate() {
             steep = way.mul_add(*way, steep);
             let turn = if self.stretches && v.slides { *way * per_radian } else { *way };
-            bend = (turn * turn).mul_add(second.curvature(i, *q), bend);
+            bend = (turn * turn).mul_add(second.bends(i, *q, *q).curvature, bend);
             let change = *q - *q_before;
             let change = if self.stretches && v.slides { change / per_radian } else { change };
             moved = change.mul_add(change, moved);
@@ -316,11 +334,11 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         runs: &mut Runs<'_>,
     ) {
         let Some(place) = self.jobs[lane].place.take() else { return };
-        let Some(second) = self.plan.second_aim() else { return runs.keep(place) };
+        let Some(second) = self.second_aim else { return runs.keep(place) };
         let q: PerJoint<f64> = self.q.iter().map(|x| x.lane(lane)).collect();
         let about = |i: usize| self.second.about[i].lane(lane);
         let value = |q: &[f64]| -> f64 {
-            q.iter().enumerate().map(|(i, x)| second.value(i, *x, about(i))).sum()
+            q.iter().enumerate().map(|(i, x)| second.bends(i, *x, about(i)).value).sum()
         };
         let before = runs.q(place);
         let better = match second.measure {
