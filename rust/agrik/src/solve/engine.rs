@@ -281,31 +281,27 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'p, R, T,
                     if WAY == SECOND {
                         self.end_second(lane, solved, &error, &mut runs);
                     }
-                    let asks = WAY != SECOND && solved && self.aside.is_some();
-                    if asks {
+                    let mut goes_on = false;
+                    if WAY != SECOND && solved && self.aside.is_some() {
                         if self.step_aside(lane, &error) {
                             self.ask(&mut runs);
                         }
-                    } else {
+                    } else if WAY != SECOND {
                         let status = self.status(lane, solved, halt);
-                        if WAY != SECOND && self.end_attempt(lane, status, &error, &mut runs) {
-                            continue;
-                        }
+                        goes_on = self.end_attempt(lane, status, &error, &mut runs);
                     }
-                    let back = WAY != SECOND && self.aside.is_some() && self.take_back(lane);
-                    if !back && !self.refill(lane, &mut runs, next) {
+                    if goes_on || WAY != SECOND && self.take_back(lane) {
+                        self.start_next(lane);
+                    } else if !self.refill(lane, &mut runs, next) {
                         busy &= !(1 << lane);
                     }
                 }
                 if WAY != SECOND && busy != all && self.some_wait() {
                     // No other targets are left to go on with meanwhile.
                     self.ask(&mut runs);
-                    for lane in 0..R::WIDTH {
-                        if busy >> lane & 1 == 0 && self.take_back(lane) {
-                            busy |= 1 << lane;
-                            ended |= 1 << lane;
-                        }
-                    }
+                    let started = self.take_back_all(busy);
+                    busy |= started;
+                    ended |= started;
                 }
                 // Lanes that start anew are evaluated on the next pass.
                 if ended | !busy & all == all {

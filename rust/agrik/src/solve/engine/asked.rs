@@ -1,8 +1,8 @@
 //! Ends of attempts that the call's guard is asked about, several at a time.
 //!
-//! A question about eight postures costs about twice what it costs about one. So a target whose
-//! attempt has reached it waits aside until there are enough of them, and its lane works on
-//! another one. What becomes of a target depends on its own attempts alone, so that all answers
+//! Of a question about eight postures each costs less than half of what it costs alone. So a
+//! target whose attempt has reached it waits aside until there are enough of them, and its lane
+//! works on another one. What becomes of a target depends on its own attempts alone: all answers
 //! are what they would be if each were asked about at once.
 
 use super::Engine;
@@ -70,17 +70,28 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
     }
 
     /// Gives an idle lane a target from aside that gets another attempt, if there is one.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn take_back(&mut self, lane: usize) -> bool {
         let Some(aside) = &mut self.aside else { return false };
         let Some(place) = aside.ready.pop() else { return false };
         aside.free.push(place);
         self.jobs.swap(lane, place);
-        let job = &self.jobs[lane];
-        let (row, attempt, goal) = (job.row, job.attempt, job.goal);
-        self.goal.set_lane(lane, &goal);
-        self.start(lane, row, attempt, &goal);
+        self.goal.set_lane(lane, &self.jobs[lane].goal);
         true
+    }
+
+    /// The same for all lanes that are not busy, a bit each; returns those that have one now, at
+    /// the start of its attempt.
+    #[inline(never)]
+    pub(super) fn take_back_all(&mut self, busy: u32) -> u32 {
+        let mut started = 0;
+        for lane in 0..R::WIDTH {
+            if busy >> lane & 1 == 0 && self.take_back(lane) {
+                self.start_next(lane);
+                started |= 1 << lane;
+            }
+        }
+        started
     }
 
     /// Asks about all that wait, and ends or goes on with each.

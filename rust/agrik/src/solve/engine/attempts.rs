@@ -121,13 +121,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
                 }
             }
         }
-        let goes_on = self.goes_on(lane, status, solved, runs);
-        if goes_on {
-            let job = &self.jobs[lane];
-            let (row, attempt, goal) = (job.row, job.attempt, job.goal);
-            self.start(lane, row, attempt, &goal);
-        }
-        goes_on
+        self.goes_on(lane, status, solved, runs)
     }
 
     /// True where the job in a place gets another attempt after one that ended with a status;
@@ -135,12 +129,12 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
     #[inline(always)]
     pub(super) fn goes_on(
         &mut self,
-        lane: usize,
+        place: usize,
         status: Status,
         solved: bool,
         runs: &mut Runs<'_>,
     ) -> bool {
-        let job = &mut self.jobs[lane];
+        let job = &mut self.jobs[place];
         if !solved && !job.unreachable && job.attempt < self.most_restarts {
             job.attempt += 1;
             job.steps_before += job.steps;
@@ -149,12 +143,12 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         }
         let judged = job.accepted.is_some() || !job.refused.is_empty();
         if !solved && self.completes && !judged {
-            self.complete(lane);
+            self.complete(place);
         }
-        if self.jobs[lane].refused.len() > self.q.len() && self.jobs[lane].accepted.is_none() {
-            self.choose_refused(lane);
+        if self.jobs[place].refused.len() > self.q.len() && self.jobs[place].accepted.is_none() {
+            self.choose_refused(place);
         }
-        let job = &mut self.jobs[lane];
+        let job = &mut self.jobs[place];
         let mut best = job.best.unwrap_or_else(|| {
             let given = self.plan.request.start(job.row);
             let most = self.setup.well_known(&job.goal);
@@ -208,8 +202,8 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
     /// Looks for a row's nearest posture where attempts did not solve it: from the best end, and
     /// from other starts. Solved after all is solved.
     #[inline(never)]
-    fn complete(&mut self, lane: usize) {
-        let job = &mut self.jobs[lane];
+    fn complete(&mut self, place: usize) {
+        let job = &mut self.jobs[place];
         let Some(goal) = self.plan.request.goal(job.row) else { return };
         let (plan, limits) = (self.plan, &self.limits[..]);
         let scale = self.setup.rotation_scale;
@@ -257,7 +251,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             }
         }
         if let Some((end, mut q)) = best {
-            let given = self.plan.request.start(self.jobs[lane].row);
+            let given = self.plan.request.start(self.jobs[place].row);
             let most = self.setup.well_known(&goal);
             bring_near(&self.limits, &mut q, given, most);
             if end.solved
@@ -265,10 +259,10 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             {
                 let errors = (end.position_error.powi(2), end.orientation_error.powi(2));
                 let is_accepted = guard.accept.accepts(&q) & 1 != 0;
-                self.judge(lane, guard, &q, errors, is_accepted);
+                self.judge(place, guard, &q, errors, is_accepted);
                 return;
             }
-            let job = &mut self.jobs[lane];
+            let job = &mut self.jobs[place];
             let status = if end.solved { Status::Converged } else { Status::NotFound };
             job.best = Some(Best {
                 squared: 2.0 * end.cost,
@@ -320,9 +314,17 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         }
     }
 
+    /// Puts a lane at the start of its target's next attempt.
+    #[inline(always)]
+    pub(super) fn start_next(&mut self, lane: usize) {
+        let job = &self.jobs[lane];
+        let (row, attempt, goal) = (job.row, job.attempt, job.goal);
+        self.start(lane, row, attempt, &goal);
+    }
+
     /// Puts a lane at the start of an attempt.
     #[inline(always)]
-    pub(super) fn start(&mut self, lane: usize, row: usize, attempt: u32, goal: &Goal<f64>) {
+    fn start(&mut self, lane: usize, row: usize, attempt: u32, goal: &Goal<f64>) {
         let given = self.plan.start(row);
         let begin: &[f64] = match given {
             _ if WAY == SECOND => &self.begin,
