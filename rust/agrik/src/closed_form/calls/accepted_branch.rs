@@ -117,12 +117,14 @@ fn candidates(
     let copies = query.request.copies(row, angles.len().max(1));
     let request = query.request.with_copies(&copies, row);
     let angle = if angles.is_empty() { ArmAngle::Free } else { ArmAngle::Each(&angles) };
-    let all = Query { request, angle, ..query.clone() };
+    let all = Query { request, angle, reached: true, ..query.clone() };
     let (targets, count) = (request.len(), form.branches());
     let mut branches = Branches::new(targets, count);
     let mut q = vec![0.0; targets * count * dof];
     fill(level, &all, &mut branches.as_mut_with(&mut q), targets <= FEW);
-    let mut found = Candidates { q: answer.to_vec(), cost: Vec::new() };
+    let valid = branches.valid.iter().filter(|valid| **valid).count();
+    let mut found = Candidates { q: Vec::with_capacity((1 + valid) * dof), cost: Vec::new() };
+    found.q.extend_from_slice(answer);
     for (q, _) in q.chunks_exact(dof).zip(&branches.valid).filter(|(_, valid)| **valid) {
         found.q.extend_from_slice(q);
     }
