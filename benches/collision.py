@@ -25,7 +25,7 @@ from pathlib import Path
 
 import numpy as np
 from peer_bench.machine import describe, measuring_core
-from peer_bench.scenes import SCENES, Arm, Things
+from peer_bench.scenes import BUNDLED, SCENES, Arm, Things
 
 import agrik_fast as ik
 from agrik_fast import _native
@@ -101,9 +101,9 @@ def inverse(quick: bool) -> None:
     count = 1_000 if quick else 10_000
     print("\n| arm, scene | solver, prefer | plain, us | of it | free and exact | false |")
     print("|---|---|---|---|---|---|")
-    for name, scenes in SCENES.items():
-        arm = Arm.of(name)
-        for scene in scenes:
+    for name in [*SCENES, *BUNDLED]:
+        arm = Arm.bundled(name) if name in BUNDLED else Arm.of(name)
+        for scene in SCENES.get(name, SCENES["panda"]):
             collider = arm.among(Things.of(arm, scene).made())
             q = arm.postures(30 * count, seed=2)
             q = q[~collider.collides(q)][:count]

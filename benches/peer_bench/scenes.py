@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+import agrik_fast as ik
 from agrik_fast import _native
 
 DATA = Path(__file__).parents[2] / "rust/agrik-solids/tests/data"
@@ -15,6 +16,8 @@ SCENES = {
     "cucumber": ("scene", "greenhouse1", "greenhouse2"),
     "panda": ("bench", "wall", "greenhouse5"),
 }
+# Arms of the package, in the Panda's scenes.
+BUNDLED = ("ur5", "redundant7")
 
 
 def read(name: str) -> dict:
@@ -74,6 +77,12 @@ class Arm:
         bodies = _native.Bodies(chain, names, frames, kinds, cores, radii, pairs)
         return cls(name, unit, chain, bodies, [tuple(pair) for pair in file.get("static_skip", [])])
 
+    @classmethod
+    def bundled(cls, name: str) -> Arm:
+        robot = ik.Robot.load(name)
+        skip = [tuple(pair) for pair in robot.collision_rules.static_skip]
+        return cls(name, 1.0, robot._chain, robot.compiled_bodies(), skip)
+
     def postures(self, count: int, seed: int = 1) -> np.ndarray:
         rng = np.random.default_rng(seed)
         return rng.uniform(self.chain.lower, self.chain.upper, (count, self.chain.dof))
@@ -114,7 +123,8 @@ class Things:
 
     @classmethod
     def of(cls, arm: Arm, scene: str) -> Things:
-        return cls(read(f"scenes_{arm.name}")[scene]["objects"], arm.unit)
+        whose = "panda" if arm.name in BUNDLED else arm.name
+        return cls(read(f"scenes_{whose}")[scene]["objects"], arm.unit)
 
     def made(self) -> _native.Scene:
         plural = {"sphere": "spheres", "capsule": "capsules", "box": "boxes"}

@@ -4,9 +4,9 @@
 mod common;
 
 use agrik_compute::lanes::{Kernel32, Level, Real32, dispatch_eights};
-use agrik_solids::outline::{Outline, View, balls, roundings, single_above};
-use agrik_solids::{Cuboid, Exemption, HalfSpace, Object, Point, Scene, Solid, distance};
-use common::Random;
+use agrik_solids::outline::{Block, Boxed, Outline, View, balls, roundings, single_above};
+use agrik_solids::{Core, Cuboid, Exemption, HalfSpace, Object, Point, Scene, Solid, distance};
+use common::{Random, norm, rotation};
 
 /// Lanes in which eight balls of a radius may be within reach of a scene.
 struct Ask<'a> {
@@ -160,5 +160,85 @@ fn balls_cover_their_solid() {
         }
         assert!(inside > 100 || solid.radius() == 0.0);
         let _ = Outline::new(solid, [0.0; 3]);
+    }
+}
+
+/// Whether a box may be within reach of another solid: seen by its outline, and as two boxes.
+struct Part<'a> {
+    block: &'a Block,
+    other: &'a Solid,
+    reach: f64,
+}
+
+fn boxed<R: Real32>(block: &Block) -> Boxed<R> {
+    let lanes = |v: &[f32; 3]| [0, 1, 2].map(|k| R::splat(f64::from(v[k])));
+    let axes = [lanes(&block.axes[0]), lanes(&block.axes[1]), lanes(&block.axes[2])];
+    Boxed { centre: lanes(&block.centre), axes, half: lanes(&block.half) }
+}
+
+impl Kernel32 for Part<'_> {
+    type Output = bool;
+    fn run<R: Real32>(self) -> bool {
+        let this = boxed::<R>(self.block);
+        let reach = self.reach + f64::from(self.block.radius);
+        let outline = Outline::new(self.other, [0.0; 3]);
+        let mut seen = vec![outline.maybe_box(&this, R::splat(reach))];
+        if let Some(block) = Block::new(self.other) {
+            let other = boxed::<R>(&block);
+            let reach = R::splat(reach + f64::from(block.radius));
+            seen.extend([this.maybe(&other, reach), other.maybe(&this, reach)]);
+        }
+        assert!(seen.iter().all(|lanes| *lanes == 0 || *lanes == 255), "{seen:?}");
+        seen.into_iter().all(|lanes| lanes != 0)
+    }
+}
+
+#[test]
+fn what_a_plane_parts_is_apart() {
+    let mut random = Random::new(12);
+    let (mut near, mut far, mut seen) = (0, [0; 5], [0; 5]);
+    for case in 0..20_000 {
+        let mut numbers = |scale: f64| [0; 4].map(|_| random.between(-scale, scale));
+        let ([x, y, z, _], [along, across, up, _]) = (numbers(0.7), numbers(0.3));
+        let (at, sizes) = ([x, y, z], [along.abs(), across.abs(), up.abs()]);
+        let (turn, other_turn, little) = (numbers(1.0), numbers(1.0), numbers(1e-5));
+        // Some have edges that are parallel, or all but so.
+        let other_turn = match case % 7 {
+            0 => turn,
+            1 => [0, 1, 2, 3].map(|k| turn[k] + little[k]),
+            _ => other_turn,
+        };
+        let half = [0.4 * sizes[1], 0.1, 0.02 + sizes[0]];
+        let this: Solid = Cuboid::new([0.1, -0.2, 0.05], half, rotation(turn)).unwrap().into();
+        let cuboid = Cuboid::new(at, sizes, rotation(other_turn)).unwrap();
+        let kind = case % 5;
+        let other: Solid = match kind {
+            0 => cuboid.into(),
+            1 => Solid::sphere(at, 0.05).unwrap(),
+            2 => Solid::capsule(at, [x + along, y + across, z + up], 0.03).unwrap(),
+            3 => HalfSpace::new([along, across, up], x * norm([along, across, up])).unwrap().into(),
+            _ => Solid::new(Core::Cuboid(cuboid), 0.04).unwrap(),
+        };
+        let block = Block::new(&this).unwrap();
+        let apart = distance(&this, &other);
+        let reach = if case % 3 == 0 { apart.max(0.0) } else { random.between(0.0, 0.1) };
+        // As those who ask have it: for the places of both, and for the axes again.
+        let reach_in_singles = reach + 2.0 * roundings(4.0);
+        for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+            let asked = Part { block: &block, other: &other, reach: reach_in_singles };
+            let maybe = dispatch_eights(level, asked);
+            if apart <= reach {
+                near += 1;
+                assert!(maybe, "{case}: {apart} m apart, {reach} m asked about");
+            } else if apart > reach + 0.01 {
+                far[kind] += 1;
+                seen[kind] += usize::from(maybe);
+            }
+        }
+    }
+    assert!(near > 5_000, "{near}");
+    // Little is missed: corners that face corners.
+    for (kind, (seen, far)) in seen.iter().zip(far).enumerate() {
+        assert!(far > 500 && 5 * seen < far, "{kind}: {seen} of {far}");
     }
 }

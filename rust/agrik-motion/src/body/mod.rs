@@ -11,6 +11,7 @@ mod accept;
 mod batch;
 mod bodies;
 mod collider;
+mod eights;
 mod levers;
 mod near;
 mod placed;

@@ -2,7 +2,9 @@
 //!
 //! Bodies are seen as balls, in singles, a posture in each lane: first one ball a body, then, if
 //! that is near something, the balls that cover it. What is far here is far in truth (see
-//! [`agrik_solids::outline`]); the few bodies that may be near are left to doubles.
+//! [`agrik_solids::outline`]); the few bodies that may be near are left to doubles. Boxes are
+//! seen as such by each other and by things that are few: a plane between two of them costs less
+//! to look for than a ball for each of their cells.
 //!
 //! The eight may be places along a way, evenly from its beginning to its end. Between two of
 //! them the middle of a ball leaves the straight line by no more than what its acceleration
@@ -11,14 +13,12 @@
 
 use agrik::kinematics::FRAME;
 use agrik_compute::lanes::{Kernel32, Level, Real32, WIDEST, dispatch_eights, norm};
-use agrik_solids::outline::{Outline, View, balls, roundings, single_above};
+use agrik_solids::outline::{Block, Boxed, Outline, View, balls, roundings, single_above};
 use agrik_solids::{Exemption, Object, Point};
 
 use super::bodies::Mount;
+use super::eights::{Eight, Frame, difference, load, one, singles, square, store};
 use super::shape::{Body, Shape};
-
-/// One number of each lane.
-type Eight = [f32; WIDEST];
 
 /// Parts of a way that eight places cut it into.
 pub(crate) const PARTS: f64 = (WIDEST - 1) as f64;
@@ -42,6 +42,9 @@ struct Outlined {
     /// The same, eight at a time; the last ones again where they are fewer.
     eights: Vec<[Eight; 4]>,
     outline: Outline,
+    /// The body as the box that it is, and whether objects see it as such.
+    block: Option<Block>,
+    is_seen_as_box: bool,
 }
 
 /// Memory for eight postures, and what is found.
@@ -54,7 +57,10 @@ pub(crate) struct Sifted {
     pub maybe: Vec<(usize, u32)>,
     singles: Vec<Eight>,
     centres: Vec<[Eight; 3]>,
-    near: Vec<u32>,
+    /// The middles of boxes and their axes.
+    boxes: Vec<[[Eight; 3]; 4]>,
+    /// Things that may be near a body, and in which lanes.
+    near: Vec<(u32, u32)>,
 }
 
 /// How far a way may lead beyond the places that are looked at.
@@ -122,6 +128,7 @@ impl Sieve {
         let Some(frames) = room.frames.len().checked_div(FRAME) else { return };
         room.maybe.clear();
         room.centres.resize(self.bodies.len(), [[0.0; WIDEST]; 3]);
+        room.boxes.resize(self.bodies.len(), [[[0.0; WIDEST]; 3]; 4]);
         room.singles.resize((frames + 1) * FRAME, [0.0; WIDEST]);
         dispatch_eights(level, Sifting { sieve: self, question, room });
     }
@@ -165,7 +172,18 @@ impl Outlined {
             eights: balls.chunks(WIDEST).map(eight).collect(),
             balls,
             outline: Outline::new(solid, [0.0; 3]),
+            block: Block::new(solid),
+            is_seen_as_box: matches!(body.shape, Shape::Exact(_)),
         }
+    }
+
+    /// The box in each of eight postures, where it lies, and how far the body reaches beyond it.
+    #[inline(always)]
+    fn boxed<R: Real32>(&self, at: &[[Eight; 3]; 4]) -> Option<(Boxed<R>, R)> {
+        let block = self.block.as_ref()?;
+        let half = [one(block.half[0]), one(block.half[1]), one(block.half[2])];
+        let axes = [load(&at[1]), load(&at[2]), load(&at[3])];
+        Some((Boxed { centre: load(&at[0]), axes, half }, one(block.radius)))
     }
 }
 
@@ -173,72 +191,6 @@ struct Sifting<'a> {
     sieve: &'a Sieve,
     question: &'a Question<'a>,
     room: &'a mut Sifted,
-}
-
-/// The axes of a frame and its origin, in lanes.
-struct Frame<R> {
-    m: [R; FRAME],
-}
-
-impl<R: Real32> Frame<R> {
-    #[inline(always)]
-    fn load(frames: &[Eight], link: usize) -> Self {
-        let from = &frames[link * FRAME..(link + 1) * FRAME];
-        let mut m = [R::splat(0.0); FRAME];
-        for (to, from) in m.iter_mut().zip(from) {
-            *to = R::load(from);
-        }
-        Self { m }
-    }
-
-    /// Where the middle of a ball is.
-    #[inline(always)]
-    fn place(&self, [x, y, z, _]: &[f32; 4]) -> [R; 3] {
-        self.point([one(*x), one(*y), one(*z)])
-    }
-
-    /// Where points of the frame are.
-    #[inline(always)]
-    fn point(&self, [x, y, z]: [R; 3]) -> [R; 3] {
-        let m = &self.m;
-        [
-            m[0].mul_add(x, m[1].mul_add(y, m[2].mul_add(z, m[9]))),
-            m[3].mul_add(x, m[4].mul_add(y, m[5].mul_add(z, m[10]))),
-            m[6].mul_add(x, m[7].mul_add(y, m[8].mul_add(z, m[11]))),
-        ]
-    }
-
-    /// Coordinates in the frame.
-    #[inline(always)]
-    fn inner(&self, p: &[R; 3]) -> [R; 3] {
-        let m = &self.m;
-        let [x, y, z] = [p[0] - m[9], p[1] - m[10], p[2] - m[11]];
-        [
-            m[0].mul_add(x, m[3].mul_add(y, m[6] * z)),
-            m[1].mul_add(x, m[4].mul_add(y, m[7] * z)),
-            m[2].mul_add(x, m[5].mul_add(y, m[8] * z)),
-        ]
-    }
-}
-
-#[inline(always)]
-fn one<R: Real32>(x: f32) -> R {
-    R::splat(f64::from(x))
-}
-
-#[inline(always)]
-fn square<R: Real32>(v: &[R; 3]) -> R {
-    v[0].mul_add(v[0], v[1].mul_add(v[1], v[2] * v[2]))
-}
-
-#[inline(always)]
-fn load<R: Real32>(at: &[Eight; 3]) -> [R; 3] {
-    [R::load(&at[0]), R::load(&at[1]), R::load(&at[2])]
-}
-
-#[inline(always)]
-fn difference<R: Real32>(a: &[R; 3], b: &[R; 3]) -> [R; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// How far a point gets from each of eight places before it is nearer to another one, m, but
@@ -276,10 +228,17 @@ impl Kernel32 for Sifting<'_> {
         let away = singles::<R>(&room.frames, question.view.origin(), &mut room.singles);
         let more = roundings(question.view.extent() + 2.0 * f64::from(away) + sieve.size);
         let more = single_above(more);
-        for (body, to) in sieve.bodies.iter().zip(&mut room.centres) {
-            let at = Frame::<R>::load(&room.singles, body.link).place(&body.ball);
-            for (to, at) in to.iter_mut().zip(at) {
-                at.store(to);
+        let places = room.centres.iter_mut().zip(&mut room.boxes);
+        for (body, (centre, boxed)) in sieve.bodies.iter().zip(places) {
+            let frame = Frame::<R>::load(&room.singles, body.link);
+            store(frame.place(&body.ball), centre);
+            // Of ways balls alone are known.
+            if let (Some(block), None) = (&body.block, &question.way) {
+                let [x, y, z] = block.centre;
+                store(frame.place(&[x, y, z, 0.0]), &mut boxed[0]);
+                for (axis, to) in block.axes.iter().zip(&mut boxed[1..]) {
+                    store(frame.turned(axis), to);
+                }
             }
         }
         for (place, body) in question.asked.iter().enumerate() {
@@ -303,31 +262,6 @@ impl Kernel32 for Sifting<'_> {
     }
 }
 
-/// Frames as singles from an origin, before them the world's; the largest coordinate of an
-/// origin of them, m.
-#[inline(always)]
-fn singles<R: Real32>(frames: &[[f64; WIDEST]], origin: Point, to: &mut [Eight]) -> f32 {
-    let mut away = one::<R>(0.0);
-    for (k, to) in to[..FRAME].iter_mut().enumerate() {
-        let turn = if k < 9 && k % 4 == 0 { 1.0 } else { 0.0 };
-        let number = if k < 9 { turn } else { -origin[k - 9] as f32 };
-        away = if k < 9 { away } else { away.max(one(number.abs())) };
-        *to = [number; WIDEST];
-    }
-    for (frame, to) in frames.chunks_exact(FRAME).zip(to[FRAME..].chunks_exact_mut(FRAME)) {
-        for (k, (from, to)) in frame.iter().zip(to).enumerate() {
-            let off = if k < 9 { 0.0 } else { origin[k - 9] };
-            for (to, from) in to.iter_mut().zip(from) {
-                *to = (from - off) as f32;
-            }
-            away = if k < 9 { away } else { away.max(R::load(to).abs()) };
-        }
-    }
-    let mut each = [0.0_f32; WIDEST];
-    away.store(&mut each);
-    each.into_iter().fold(0.0, f32::max)
-}
-
 /// Lanes in which a body may be too near to an object.
 #[inline(always)]
 fn objects<R: Real32>(
@@ -344,15 +278,32 @@ fn objects<R: Real32>(
     let most = R::splat(question.most);
     let centre = load::<R>(&room.centres[index]);
     let reach = reach_round(&centre, body.ball[3] + more, bend);
+    // Boxes are seen with the roundings of their axes on top.
+    let mut boxed = None;
+    if body.is_seen_as_box
+        && bend.is_none()
+        && let Some((block, radius)) = body.boxed::<R>(&room.boxes[index])
+    {
+        boxed = Some((block, block.extent(), radius + one(more + more)));
+    }
     room.near.clear();
     let mut maybe = 0;
     for (place, thing) in things.iter().enumerate() {
         if exempt.contains(thing.label()) {
             continue;
         }
-        let lanes = thing.maybe(&centre, reach + R::splat(question.keep(thing.label())));
+        let keep = R::splat(question.keep(thing.label()));
+        let mut lanes = thing.maybe(&centre, reach + keep);
+        if lanes != 0
+            && let Some((boxed, extent, radius)) = &boxed
+        {
+            lanes &= thing.maybe_upright(&boxed.centre, extent, *radius + keep);
+            if lanes != 0 {
+                lanes &= thing.outline().maybe_box(boxed, *radius + keep);
+            }
+        }
         if lanes != 0 {
-            room.near.push(place as u32);
+            room.near.push((place as u32, lanes));
             maybe |= lanes;
         }
     }
@@ -366,12 +317,16 @@ fn objects<R: Real32>(
     for ball in &body.balls {
         let centre = frame.place(ball);
         let reach = reach_round(&centre, ball[3] + more, bend);
-        for place in &room.near {
+        for (place, lanes) in &room.near {
+            if lanes & !left == 0 {
+                continue;
+            }
             let thing = &things[*place as usize];
-            left |= thing.outline().maybe(&centre, reach + R::splat(question.keep(thing.label())));
+            let keep = R::splat(question.keep(thing.label()));
+            left |= lanes & thing.outline().maybe(&centre, reach + keep);
         }
         if crowd & !left != 0 {
-            left |= view.maybe_crowd(&centre, reach + most);
+            left |= crowd & view.maybe_crowd(&centre, reach + most);
         }
         if maybe & !left == 0 {
             return maybe;
@@ -399,7 +354,7 @@ fn objects_alone<R: Real32>(
     near.clear();
     view.each_near(&centre, reach, |place| {
         if !exempt.contains(things[place].label()) {
-            near.push(place as u32);
+            near.push((place as u32, 1));
         }
     });
     let crowded = view.maybe_crowd(&centre, reach) != 0;
@@ -410,7 +365,7 @@ fn objects_alone<R: Real32>(
     for [x, y, z, r] in &body.eights {
         let centre = frame.point([R::load(x), R::load(y), R::load(z)]);
         let reach = R::load(r) + one(more);
-        for place in &room.near {
+        for (place, _) in &room.near {
             let thing = &things[*place as usize];
             let keep = R::splat(question.keep(thing.label()));
             if thing.outline().maybe(&centre, reach + keep) != 0 {
@@ -444,6 +399,13 @@ fn pairs<R: Real32>(
     let maybe = R::bits(square(&apart).le(reach * reach));
     if maybe == 0 {
         return 0;
+    }
+    if way.is_none()
+        && b.block.is_some()
+        && let Some((a, r)) = a.boxed::<R>(&room.boxes[i])
+        && let Some((b, s)) = b.boxed::<R>(&room.boxes[j])
+    {
+        return maybe & a.maybe(&b, r + s + own + one(more));
     }
     // On a way the farther one is seen from the nearer one.
     let (a, b) = if way.is_none() && a.balls.len() < b.balls.len() { (b, a) } else { (a, b) };

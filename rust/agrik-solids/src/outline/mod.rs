@@ -4,9 +4,11 @@
 //! to reaches; what may be near is left to those who decide in doubles. So answers do not
 //! depend on what is seen here, nor on when a scene gets its [`Field`].
 
+mod boxed;
 mod field;
 mod surroundings;
 
+pub use boxed::{Block, Boxed};
 pub use field::Field;
 pub use surroundings::{Surroundings, Thing, View};
 

@@ -60,6 +60,17 @@ impl Thing {
         let square = over[0].mul_add(over[0], over[1].mul_add(over[1], over[2] * over[2]));
         R::bits(square.le(reach * reach))
     }
+
+    /// The same of boxes along the axes of the world, by their middles and half lengths.
+    #[inline(always)]
+    pub fn maybe_upright<R: Real32>(&self, p: &[R; 3], half: &[R; 3], reach: R) -> u32 {
+        let (centre, of_this) = (splat::<R>(self.centre), splat::<R>(self.half));
+        let mut gap = R::splat(-1e30);
+        for k in 0..3 {
+            gap = gap.max((p[k] - centre[k]).abs() - of_this[k] - half[k]);
+        }
+        R::bits(gap.le(reach))
+    }
 }
 
 /// Half lengths of the upright box round a box, m.

@@ -68,27 +68,26 @@ pub(crate) struct Verdict {
 }
 
 impl Guard<'_> {
-    /// What an accepted posture is preferred by, the larger the better; none for a refused one.
-    /// `cost` is what it is the answer by without a guard, and `about` what near ones are near
-    /// to.
-    pub(crate) fn score(&self, q: &[f64], cost: f64, about: impl Fn(usize) -> f64) -> Option<f64> {
-        if self.accept.accepts(q) & 1 == 0 {
-            return None;
-        }
+    /// What an accepted posture is preferred by, the larger the better. `cost` is what it is the
+    /// answer by without a guard, and `about` what near ones are near to.
+    pub(crate) fn score(&self, q: &[f64], cost: f64, about: impl Fn(usize) -> f64) -> f64 {
         let away = |(i, x): (usize, &f64)| (x - about(i)).powi(2);
-        Some(match self.prefer {
+        match self.prefer {
             Prefer::First => -cost,
             Prefer::Near => -q.iter().enumerate().map(away).sum::<f64>(),
             Prefer::Clearance => self.accept.margin(q, f64::INFINITY),
-        })
+        }
     }
 
-    /// The same with refused postures among them, by their margins.
+    /// Asks about a posture; refused ones are told by their margins.
     pub(crate) fn verdict(&self, q: &[f64], cost: f64, about: impl Fn(usize) -> f64) -> Verdict {
-        match self.score(q, cost, about) {
-            Some(score) => Verdict { accepted: true, score },
-            None => Verdict { accepted: false, score: self.accept.margin(q, f64::INFINITY) },
-        }
+        let accepted = self.accept.accepts(q) & 1 != 0;
+        let score = if accepted {
+            self.score(q, cost, about)
+        } else {
+            self.accept.margin(q, f64::INFINITY)
+        };
+        Verdict { accepted, score }
     }
 
     /// Which of some postures has the largest margin; the first of several.

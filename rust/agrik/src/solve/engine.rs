@@ -4,6 +4,7 @@
 //! given the next one at once. With a one-lane number type this is an ordinary loop over
 //! targets.
 
+mod asked;
 mod attempts;
 mod feedback;
 mod nearest;
@@ -14,6 +15,7 @@ mod slack;
 
 use smallvec::{SmallVec, smallvec};
 
+use self::asked::Aside;
 use self::attempts::Job;
 use self::feedback::{Halt, Memory};
 pub(super) use self::nearest::{End, Search};
@@ -150,8 +152,10 @@ struct Engine<'p, R: Real, T, const M: usize, const WAY: u8> {
     cap: u32,
     patient_cap: u32,
     near2: f64,
-    /// One entry per lane.
+    /// One entry per lane, and behind them those of targets aside.
     jobs: SmallVec<[Job; 1]>,
+    /// Which of these do what, in a call with a guard.
+    aside: Option<Box<Aside>>,
     q: PerJoint<R>,
     /// Where continuous joints' values are kept near.
     reference: PerJoint<R>,
@@ -185,6 +189,9 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'p, R, T,
             SECOND => second::STEPS,
             _ => settings.max_iterations,
         };
+        let asks = WAY != SECOND && plan.request.guard().is_some();
+        let aside = asks.then(|| Box::new(Aside::new(R::WIDTH, plan.request.len())));
+        let places = R::WIDTH + aside.as_ref().map_or(0, |aside| aside.places());
         Self {
             plan,
             setup,
@@ -219,7 +226,8 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'p, R, T,
                 PATIENCE
             }),
             near2: (NEAR * setup.rotation_scale).powi(2),
-            jobs: smallvec![Job::idle(dof); R::WIDTH],
+            jobs: smallvec![Job::idle(dof); places],
+            aside,
             q: smallvec![R::zero(); dof],
             reference: smallvec![R::zero(); dof],
             change: smallvec![R::zero(); dof],
@@ -267,7 +275,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'p, R, T,
             } else {
                 (reached | halt.stalled | halt.broken) & busy
             };
-            for (lane, job) in self.jobs.iter().enumerate() {
+            for (lane, job) in self.jobs.iter().take(R::WIDTH).enumerate() {
                 let closing_in = near >> lane & 1 != 0;
                 let cap = if closing_in { self.patient_cap } else { self.cap };
                 ended |= u32::from(job.steps >= cap) << lane & busy;
@@ -284,12 +292,27 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'p, R, T,
                     if WAY == SECOND {
                         self.end_second(lane, solved, &error, &mut runs);
                     }
-                    let status = self.status(lane, solved, halt);
-                    if (WAY == SECOND || !self.end_attempt(lane, status, &error, &mut runs))
-                        && !self.refill(lane, &mut runs, next)
-                    {
+                    let mut goes_on = false;
+                    if WAY != SECOND && solved && self.aside.is_some() {
+                        if self.step_aside(lane, &error) {
+                            self.ask(&mut runs);
+                        }
+                    } else if WAY != SECOND {
+                        let status = self.status(lane, solved, halt);
+                        goes_on = self.end_attempt(lane, status, &error, &mut runs);
+                    }
+                    if goes_on || WAY != SECOND && self.take_back(lane) {
+                        self.start_next(lane);
+                    } else if !self.refill(lane, &mut runs, next) {
                         busy &= !(1 << lane);
                     }
+                }
+                if WAY != SECOND && busy != all && self.some_wait() {
+                    // No other targets are left to go on with meanwhile.
+                    self.ask(&mut runs);
+                    let started = self.take_back_all(busy);
+                    busy |= started;
+                    ended |= started;
                 }
                 // Lanes that start anew are evaluated on the next pass.
                 if ended | !busy & all == all {
@@ -439,7 +462,7 @@ impl<'p, R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'p, R, T,
         if self.has_continuous {
             self.wind_back(mask);
         }
-        for (lane, job) in self.jobs.iter_mut().enumerate() {
+        for (lane, job) in self.jobs.iter_mut().take(R::WIDTH).enumerate() {
             job.steps += moving >> lane & 1;
         }
         // Written so that a step that is not a number counts as none.

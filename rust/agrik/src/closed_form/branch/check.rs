@@ -37,6 +37,9 @@ pub fn least_outside(limits: &[Limit], q: &mut [f64; JOINTS]) -> f64 {
     let mut worst = 0.0_f64;
     for (x, limit) in q.iter_mut().zip(limits) {
         let outside = |x: f64| (limit.lower - x).max(x - limit.upper).max(0.0);
+        if outside(*x) == 0.0 {
+            continue;
+        }
         let off = *x - limit.middle;
         let other = *x - TAU * (off / TAU).round();
         if outside(other) < outside(*x) {

@@ -17,6 +17,9 @@ use crate::closed_form::branch::group::{Job, Near};
 use crate::closed_form::geometry::candidate::JOINTS;
 use crate::lanes::Level;
 
+/// Branches of a target that are asked about at a time.
+const AT_ONCE: usize = 8;
+
 /// Arm angles all round that are looked at where one is free.
 const ANGLES: usize = 24;
 
@@ -62,10 +65,17 @@ fn choose(query: &Query<'_>, guard: Guard<'_>, level: Level, rows: &mut AnswersM
     let found = candidates(query, guard, level, rows.first + i, rows.q(i));
     let mut order: Vec<usize> = (0..found.cost.len()).collect();
     // Of equal ones the lower branch stays first.
-    order.sort_by(|a, b| found.cost[*a].total_cmp(&found.cost[*b]));
+    let before = |a: &usize, b: &usize| found.cost[*a].total_cmp(&found.cost[*b]).then(a.cmp(b));
     let posture = |candidate: usize| &found.q[candidate * dof..(candidate + 1) * dof];
     let mut accepted = Vec::new();
-    for some in order.chunks(TOGETHER) {
+    // Mostly one of the first few is accepted: the rest is neither asked about nor sorted then.
+    let mut left = &mut order[..];
+    while !left.is_empty() {
+        if left.len() > AT_ONCE {
+            left.select_nth_unstable_by(AT_ONCE, before);
+        }
+        let (some, rest) = left.split_at_mut(left.len().min(AT_ONCE));
+        some.sort_unstable_by(before);
         let q: Vec<f64> = some.iter().flat_map(|c| posture(*c)).copied().collect();
         let lanes = guard.accept.accepts(&q);
         let each = some.iter().enumerate().filter(|(lane, _)| lanes >> lane & 1 != 0);
@@ -73,6 +83,7 @@ fn choose(query: &Query<'_>, guard: Guard<'_>, level: Level, rows: &mut AnswersM
         if guard.prefer != Prefer::Clearance && !accepted.is_empty() {
             break;
         }
+        left = rest;
     }
     let best_margin = |among: &[usize]| among[guard.best_margin(among.iter().map(|c| posture(*c)))];
     let (status, chosen) = match (&accepted[..], guard.prefer) {
@@ -106,12 +117,14 @@ fn candidates(
     let copies = query.request.copies(row, angles.len().max(1));
     let request = query.request.with_copies(&copies, row);
     let angle = if angles.is_empty() { ArmAngle::Free } else { ArmAngle::Each(&angles) };
-    let all = Query { request, angle, ..query.clone() };
+    let all = Query { request, angle, reached: true, ..query.clone() };
     let (targets, count) = (request.len(), form.branches());
     let mut branches = Branches::new(targets, count);
     let mut q = vec![0.0; targets * count * dof];
     fill(level, &all, &mut branches.as_mut_with(&mut q), targets <= FEW);
-    let mut found = Candidates { q: answer.to_vec(), cost: Vec::new() };
+    let valid = branches.valid.iter().filter(|valid| **valid).count();
+    let mut found = Candidates { q: Vec::with_capacity((1 + valid) * dof), cost: Vec::new() };
+    found.q.extend_from_slice(answer);
     for (q, _) in q.chunks_exact(dof).zip(&branches.valid).filter(|(_, valid)| **valid) {
         found.q.extend_from_slice(q);
     }

@@ -75,8 +75,7 @@ impl Kernel for InLanes<'_, '_> {
             for lane in 0..R::WIDTH {
                 if used >> lane & 1 != 0 {
                     let bad = bad >> lane & 1 != 0;
-                    let last = query.last_search;
-                    write(&group, lane, (bad, last), rows, row - rows.first + lane);
+                    write(query, &group, lane, bad, rows, row - rows.first + lane);
                 }
             }
             row += R::WIDTH;
@@ -87,9 +86,10 @@ impl Kernel for InLanes<'_, '_> {
 /// Writes one lane as target `i` of a run.
 #[inline(always)]
 fn write<R: Real>(
+    query: &Query<'_>,
     group: &Group<'_, R>,
     lane: usize,
-    (bad, last_search): (bool, bool),
+    bad: bool,
     rows: &mut BranchesMut<'_>,
     i: usize,
 ) {
@@ -117,9 +117,9 @@ fn write<R: Real>(
         rows.valid[i * count + b] = valid;
         rows.singular[i * count + b] = if reached { candidate.flags(lane) } else { 0 };
     }
-    rows.status[i] = match (any_valid, last_search) {
+    rows.status[i] = match (any_valid, query.last_search) {
         (true, _) => Status::Converged as u8,
-        (false, true) => none(group, lane, rows, i) as u8,
+        (false, true) => none(query, group, lane, rows, i) as u8,
         (false, false) => Status::NotFound as u8,
     };
 }
@@ -139,6 +139,7 @@ fn kept<R: Real>(group: &Group<'_, R>, lane: usize, count: usize) -> Lanes {
 /// Looks once more at a target without a valid branch.
 #[inline(never)]
 fn none<R: Real>(
+    query: &Query<'_>,
     group: &Group<'_, R>,
     lane: usize,
     rows: &mut BranchesMut<'_>,
@@ -146,7 +147,7 @@ fn none<R: Real>(
 ) -> Status {
     let (job, goal) = (&group.job, group.goal.of_lane(lane));
     let branches = group.candidates.map(|candidate| candidate.q.map(|x| x.lane(lane)));
-    if is_out_of_reach(job, &goal, false) {
+    if !query.reached && is_out_of_reach(job, &goal, false) {
         return Status::OutOfReach;
     }
     let centre = group.near.centre.map(|x| x.lane(lane));

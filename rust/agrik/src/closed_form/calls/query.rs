@@ -35,6 +35,8 @@ pub struct Query<'a> {
     pub(crate) proof: bool,
     /// Targets without a valid branch are looked at once more.
     pub(crate) last_search: bool,
+    /// All targets have solutions, so that there is no proof of the opposite.
+    pub(crate) reached: bool,
 }
 
 impl<'a> Query<'a> {
@@ -46,7 +48,7 @@ impl<'a> Query<'a> {
         }
         let form = form_of(request.chain())?;
         arm_angles(form, angle, request.len())?;
-        Ok(Self { request, form, angle, choice, proof: false, last_search: true })
+        Ok(Self { request, form, angle, choice, proof: false, last_search: true, reached: false })
     }
 
     /// The same call, where a free arm angle is proven to be the best and not only the best

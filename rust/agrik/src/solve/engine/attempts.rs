@@ -8,7 +8,7 @@ use super::feedback::Halt;
 use super::nearest::{End, Search};
 use super::runs::{Place, Runs};
 use super::{Engine, LAW, SECOND};
-use crate::call::{AnswersMut, Guard, Left, Outcome, Prefer, Status};
+use crate::call::{AnswersMut, Left, Outcome, Status};
 use crate::chain::{JointKind, Variable};
 use crate::kinematics::{PerJoint, Workspace, forward};
 use crate::lanes::Real;
@@ -29,10 +29,6 @@ const ENOUGH: u32 = 8;
 const SAME: f64 = 1e-5;
 /// Attempts after the first at a pose of which only the position has to be met.
 pub(super) const POSES: u32 = 4;
-/// Attempts after the first whose end may be the answer, where the best of several is wanted.
-const LOOKS: u32 = 7;
-/// Refused ends from which on no more are looked for.
-const MOST_REFUSED: usize = 64;
 
 /// What a lane is busy with.
 #[derive(Debug, Clone)]
@@ -41,30 +37,30 @@ pub(super) struct Job {
     pub place: Option<Place>,
     /// Row in the whole call, and its goal.
     pub row: usize,
-    goal: Goal<f64>,
-    attempt: u32,
+    pub goal: Goal<f64>,
+    pub attempt: u32,
     /// Steps of this attempt, and of all before it.
     pub steps: u32,
     steps_before: u32,
     /// Proven out of reach: one attempt, for the nearest posture.
     unreachable: bool,
     /// The best end of an attempt so far.
-    best: Option<Best>,
-    best_q: PerJoint<f64>,
+    pub best: Option<Best>,
+    pub best_q: PerJoint<f64>,
     /// What the call's guard finds the best end that it accepts, and the attempt that was the
     /// first to end with one.
-    accepted: Option<(f64, u32)>,
+    pub accepted: Option<(f64, u32)>,
     /// Ends that reached the goal and that the guard refused, one after the other.
-    refused: Vec<f64>,
+    pub refused: Vec<f64>,
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Best {
-    squared: f64,
+pub(super) struct Best {
+    pub squared: f64,
     /// What the attempt ended with, where it is not told from all others.
-    status: Status,
-    position_error: f64,
-    orientation_error: f64,
+    pub status: Status,
+    pub position_error: f64,
+    pub orientation_error: f64,
 }
 
 impl Job {
@@ -111,17 +107,10 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         error: &TaskError<R, M>,
         runs: &mut Runs<'_>,
     ) -> bool {
-        let mut solved = status == Status::Converged;
-        let mut squared = squared_norm(&error.rows).lane(lane);
-        if solved && let Some(guard) = self.plan.request.guard() {
-            let errors = (error.position2.lane(lane), error.orientation2.lane(lane));
-            let q = self.q.iter().map(|x| x.lane(lane)).collect();
-            solved = self.judge(lane, guard, q, errors);
-            squared = f64::INFINITY;
-        }
+        let solved = status == Status::Converged;
+        let squared = squared_norm(&error.rows).lane(lane);
         let job = &mut self.jobs[lane];
-        let judged = job.accepted.is_some() || !job.refused.is_empty();
-        if solved && !judged || job.best.is_none_or(|best| squared < best.squared) {
+        if solved || job.best.is_none_or(|best| squared < best.squared) {
             let position_error = error.position2.lane(lane).sqrt();
             let orientation_error = error.orientation2.lane(lane).sqrt();
             // An attempt that ran into numbers without meaning is no answer.
@@ -132,21 +121,34 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
                 }
             }
         }
+        self.goes_on(lane, status, solved, runs)
+    }
+
+    /// True where the job in a place gets another attempt after one that ended with a status;
+    /// otherwise its answer is written. `solved` tells that nothing more needs to be looked for.
+    #[inline(always)]
+    pub(super) fn goes_on(
+        &mut self,
+        place: usize,
+        status: Status,
+        solved: bool,
+        runs: &mut Runs<'_>,
+    ) -> bool {
+        let job = &mut self.jobs[place];
         if !solved && !job.unreachable && job.attempt < self.most_restarts {
             job.attempt += 1;
             job.steps_before += job.steps;
             job.steps = 0;
-            let (row, attempt, goal) = (job.row, job.attempt, job.goal);
-            self.start(lane, row, attempt, &goal);
             return true;
         }
+        let judged = job.accepted.is_some() || !job.refused.is_empty();
         if !solved && self.completes && !judged {
-            self.complete(lane);
+            self.complete(place);
         }
-        if self.jobs[lane].refused.len() > self.q.len() && self.jobs[lane].accepted.is_none() {
-            self.choose_refused(lane);
+        if self.jobs[place].refused.len() > self.q.len() && self.jobs[place].accepted.is_none() {
+            self.choose_refused(place);
         }
-        let job = &mut self.jobs[lane];
+        let job = &mut self.jobs[place];
         let mut best = job.best.unwrap_or_else(|| {
             let given = self.plan.request.start(job.row);
             let most = self.setup.well_known(&job.goal);
@@ -197,73 +199,11 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         false
     }
 
-    /// Asks the call's guard about a lane's end that reached the goal, and keeps it where it is
-    /// the best so far; true where no other needs to be looked for.
-    #[inline(never)]
-    fn judge(
-        &mut self,
-        lane: usize,
-        guard: Guard<'_>,
-        q: PerJoint<f64>,
-        (position2, orientation2): (f64, f64),
-    ) -> bool {
-        let start = self.plan.start(self.jobs[lane].row);
-        let job = &mut self.jobs[lane];
-        let about = |i: usize| start.map_or(self.variables[i].middle(), |start| start[i]);
-        let score = guard.score(&q, 0.0, about);
-        let better = match (score, job.accepted) {
-            (Some(score), before) => before.is_none_or(|before| score > before.0),
-            // The first of those refused stands in for all of them.
-            (None, before) => before.is_none() && job.refused.is_empty(),
-        };
-        if score.is_none() {
-            job.refused.extend_from_slice(&q);
-        }
-        if better {
-            let accepted = score.is_some();
-            job.best = Some(Best {
-                // Nothing that does not reach the goal is better.
-                squared: f64::NEG_INFINITY,
-                status: if accepted { Status::Converged } else { Status::InCollision },
-                position_error: position2.sqrt(),
-                orientation_error: orientation2.sqrt(),
-            });
-            job.best_q = q;
-        }
-        if let Some(score) = score {
-            let (best, first) = job.accepted.unwrap_or((score, job.attempt));
-            job.accepted = Some((best.max(score), first));
-        }
-        let looks = if guard.prefer == Prefer::First { 0 } else { LOOKS };
-        match job.accepted {
-            Some((_, first)) => job.attempt >= first + looks,
-            None => job.refused.len() >= MOST_REFUSED * self.q.len(),
-        }
-    }
-
-    /// Makes the least bad of the ends that the guard refused a lane's answer.
-    #[inline(never)]
-    fn choose_refused(&mut self, lane: usize) {
-        let request = &self.plan.request;
-        let job = &mut self.jobs[lane];
-        let (Some(guard), Some(goal)) = (request.guard(), request.goal(job.row)) else { return };
-        let dof = job.best_q.len();
-        let chosen = guard.best_margin(job.refused.chunks_exact(dof));
-        job.best_q.copy_from_slice(&job.refused[chosen * dof..(chosen + 1) * dof]);
-        let mut at = Workspace::new(request.chain().compiled());
-        forward(request.chain().compiled(), &job.best_q, &mut at);
-        let left = request.left(&at, &goal);
-        if let Some(best) = &mut job.best {
-            best.position_error = left.position2.sqrt();
-            best.orientation_error = left.orientation2.sqrt();
-        }
-    }
-
     /// Looks for a row's nearest posture where attempts did not solve it: from the best end, and
     /// from other starts. Solved after all is solved.
     #[inline(never)]
-    fn complete(&mut self, lane: usize) {
-        let job = &mut self.jobs[lane];
+    fn complete(&mut self, place: usize) {
+        let job = &mut self.jobs[place];
         let Some(goal) = self.plan.request.goal(job.row) else { return };
         let (plan, limits) = (self.plan, &self.limits[..]);
         let scale = self.setup.rotation_scale;
@@ -311,17 +251,18 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             }
         }
         if let Some((end, mut q)) = best {
-            let given = self.plan.request.start(self.jobs[lane].row);
+            let given = self.plan.request.start(self.jobs[place].row);
             let most = self.setup.well_known(&goal);
             bring_near(&self.limits, &mut q, given, most);
             if end.solved
                 && let Some(guard) = self.plan.request.guard()
             {
                 let errors = (end.position_error.powi(2), end.orientation_error.powi(2));
-                self.judge(lane, guard, q, errors);
+                let is_accepted = guard.accept.accepts(&q) & 1 != 0;
+                self.judge(place, guard, &q, errors, is_accepted);
                 return;
             }
-            let job = &mut self.jobs[lane];
+            let job = &mut self.jobs[place];
             let status = if end.solved { Status::Converged } else { Status::NotFound };
             job.best = Some(Best {
                 squared: 2.0 * end.cost,
@@ -371,6 +312,14 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             self.start(lane, row, 0, &goal);
             return true;
         }
+    }
+
+    /// Puts a lane at the start of its target's next attempt.
+    #[inline(always)]
+    pub(super) fn start_next(&mut self, lane: usize) {
+        let job = &self.jobs[lane];
+        let (row, attempt, goal) = (job.row, job.attempt, job.goal);
+        self.start(lane, row, attempt, &goal);
     }
 
     /// Puts a lane at the start of an attempt.

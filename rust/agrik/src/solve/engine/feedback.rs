@@ -129,7 +129,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
             self.forget_runaways(mask);
             self.wind_back(mask);
         }
-        for (lane, job) in self.jobs.iter_mut().enumerate() {
+        for (lane, job) in self.jobs.iter_mut().take(R::WIDTH).enumerate() {
             job.steps += moving >> lane & 1;
         }
         Halt { stalled: halt.stalled & moving, broken: halt.broken & moving }
