@@ -336,3 +336,22 @@ def test_what_few_joints_are_told_to_be() -> None:
     off = rail.ik_all(rail.fk([0.1]) @ rotations.pose([0, 0, 0], rpy=[0.3, 0, 0]))
     assert off.status == Status.OVERDETERMINED
     assert off.orientation_error == pytest.approx(0.3)
+
+
+def test_arms_that_hardly_move_and_arms_with_a_joint_too_many() -> None:
+    still = robot(np.tile([0.0, 0.0, 1.0], (3, 1)), np.zeros((3, 3)), np.eye(4))
+    on_axis = still.ik_all([0.0, 0.0, 0.0])
+    assert on_axis.status == Status.SINGULAR_FAMILY
+    assert np.isfinite(on_axis.q).all()
+    assert still.ik_all([0.0, 0.0, 0.1]).status == Status.OUT_OF_REACH
+    turned = still.ik_all(still.fk([0.1, 0.2, 0.3]))
+    assert turned.status == Status.SINGULAR_FAMILY
+    # Six joints of which the first slides: a pose has no spare joint, and no solver.
+    rng = np.random.default_rng(12)
+    arm = arm_of("random", 5, rng, slide=True)
+    pose = arm.fk(np.full(6, 0.1))
+    assert arm.ik_all(pose).status == Status.UNSUPPORTED
+    assert arm.ik_all(pose, locked={"slide": 0.1}).status == Status.CONVERGED
+    assert "with the slide locked" in arm.family.reason
+    with pytest.raises(ik.errors.ArgumentError, match="arm_angle"):
+        still.ik_all(np.eye(4), arm_angle=0.1)

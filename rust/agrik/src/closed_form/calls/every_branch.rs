@@ -66,6 +66,9 @@ fn at_values(
     let chain = request.chain();
     let free = chain.dof() - locks.len().min(chain.dof());
     if !request.task().fixes_pose() || free < 6 {
+        if locks.is_empty() && ClosedForm::of(chain).is_err() {
+            no_arm_angle(angle)?;
+        }
         return with_few_joints(request, locks, threads, poll);
     }
     let every = Every::of(chain);
@@ -161,7 +164,8 @@ fn at_elbow(found: &mut Branches, lock: &Lock<'_>, rows: usize, dof: usize) {
 }
 
 fn rest_is_known(rest: &Chain) -> bool {
-    ClosedForm::of(rest).is_ok() || Every::of(rest).is_ok_and(|every| every.six().is_ok())
+    let six = |every: &Every| every.joints() == 6 && every.six().is_ok();
+    ClosedForm::of(rest).is_ok() || Every::of(rest).is_ok_and(six)
 }
 
 fn no_arm_angle(angle: ArmAngle<'_>) -> Result<()> {

@@ -64,14 +64,16 @@ impl Family {
                 let lead = Lead::of(chain).ok().filter(|lead| lead.way().is_some());
                 let Some(lead) = lead else { return unsupported(why.to_owned()) };
                 let rest = Self::of(lead.rest());
-                let few = lead.rest().dof() <= TURNING && Lines::of(chain).is_ok();
-                if rest.branches == 0 || !few && lead.rest().dof() != 6 {
+                let joints = lead.rest().dof();
+                let few = joints <= TURNING && Lines::of(chain).is_ok();
+                if rest.branches == 0 || !few && joints != 5 && joints != 6 {
                     return unsupported(why.to_owned());
                 }
+                let locked = if joints == 5 { "; with the slide locked" } else { "" };
                 return Self {
                     name: format!("slide before {}", rest.name),
                     method: if few { CELLS } else { rest.method },
-                    reason: format!("its first joint slides; behind it {}", rest.reason),
+                    reason: format!("its first joint slides; behind it {}{locked}", rest.reason),
                     locked: Some(lead.variable()),
                     ..rest
                 };

@@ -274,7 +274,7 @@ impl<'a> FewJoints<'a> {
         each.sort_by(|a, b| a.2.total_cmp(&b.2));
         if each.len() > count {
             each.truncate(count);
-            rows.warnings[i] |= warning::MORE;
+            rows.warnings[i] |= if reached { warning::MORE } else { 0 };
         }
         if reached {
             let place =

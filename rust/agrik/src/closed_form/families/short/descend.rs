@@ -15,6 +15,8 @@ const FINE: usize = 6;
 const ROUNDING: f64 = 1e-14;
 /// Change of a joint by which second derivatives are told, rad.
 const DIFFERENCE: f64 = 1e-5;
+/// A joint's damping is that of a lever of this share of the longest one at least.
+const LIGHT: f64 = 1e-3;
 /// A damped step that gains less than this share is one of the last.
 const SLOW: f64 = 1e-7;
 
@@ -197,12 +199,14 @@ fn solved(
     levers: &[f64; TURNING],
 ) -> Vector {
     let (mut left, mut right) = (Matrix::identity(), Vector::zeros());
+    // What hardly moves anything is not to be turned for nothing but rounding.
+    let least = LIGHT * levers.iter().fold(0.0, |most: f64, x| most.max(*x));
     for i in (0..TURNING).filter(|i| free[*i]) {
         right[i] = -gradient[i];
         for j in (0..TURNING).filter(|j| free[*j]) {
             left[(i, j)] = curvature[(i, j)];
         }
-        left[(i, i)] += damping * levers[i] * levers[i];
+        left[(i, i)] += damping * levers[i].max(least).powi(2);
     }
     left.lu().solve(&right).unwrap_or_else(Vector::zeros)
 }

@@ -27,6 +27,9 @@ pub use search::Found;
 /// Most joints that turn.
 pub const TURNING: usize = 4;
 
+/// No lever is a smaller share of the arm's size.
+const LEAST_LEVER: f64 = 1e-9;
+
 /// What of a goal counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wish {
@@ -135,7 +138,8 @@ impl Short {
         for (k, screw) in screws.joints.iter().enumerate().rev() {
             far += norm(sub(behind, screw.point));
             behind = screw.point;
-            levers[k] = f64::hypot(far, per_radian);
+            // A joint that moves nothing is divided by what it moves all the same.
+            levers[k] = f64::hypot(far, per_radian).max(LEAST_LEVER * size);
         }
         let serial = Serial::new(&screws)?;
         let slide = lines.slide.filter(|way| norm(*way) > 0.0);
