@@ -227,8 +227,13 @@ def test_nearest_of_a_sweep(name):
     every = arm.ik_all(poses, q0=q0, sweep=1500)
     least = np.where(every.valid, np.linalg.norm(every.q - q0[:, None], axis=2), np.inf).min(1)
     assert (away <= least + 1e-5).all()
-    many = np.linalg.norm(arm.ik(poses, q0=q0, nearest=256).q - q0, axis=1)
-    assert (away <= many + 1e-5).all()
+    # Near a singularity a tool that is off by the usual tolerance is worth 1e-4 rad.
+    exact = {"q0": q0, "position_tolerance": 1e-9, "orientation_tolerance": 1e-9}
+    away, many = (
+        np.linalg.norm(arm.ik(poses, nearest=starts, **exact).q - q0, axis=1)
+        for starts in (True, 256)
+    )
+    assert (away <= many + 1e-6).all()
     for row in (0, 13):
         alone = arm.ik(poses[row], q0=q0[row], nearest=True, first_index=row)
         assert np.array_equal(alone.q, nearest.q[row])

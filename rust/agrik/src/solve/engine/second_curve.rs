@@ -28,9 +28,10 @@ const BACK: f64 = 0.7;
 /// From this step on steps get shorter, and the last ones are left to the target alone.
 const SHORTER: u32 = 10;
 const LAST: u32 = 4;
-/// A step shorter than this is the last: what it leaves is of the order of its square. Nearness
-/// counts where answers are to be the nearest. Of the limits' measure the last step is one that
-/// gains less than this share of it.
+/// A step shorter than this is the last: what it leaves is of the order of its square. Where
+/// answers are to be the nearest, nearness counts, and so does half of it for the way back to the
+/// target: near a singularity what is left of the error is worth a longer way. Of the limits'
+/// measure the last step is one that gains less than this share of it.
 const SETTLED: f64 = 3e-3;
 const SETTLED_NEAR: f64 = 4e-4;
 const SETTLED_STEEP: f64 = 3e-2;
@@ -101,13 +102,14 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         let of_bend = factored.solve(bend);
         let of_error = factored.solve(error.rows);
         let mut sharpest = R::splat(1e-9);
-        let mut longest = R::splat(1e-300);
+        let (mut longest, mut corrected) = (R::splat(1e-300), R::zero());
         let memory = &mut self.second;
         let ways = memory.bend.iter_mut().zip(&mut memory.back).zip(&memory.along);
         for (column, ((bend, back), along)) in self.columns.iter().zip(ways) {
             *bend = dot(column, &of_bend);
             *back = dot(column, &of_error);
             sharpest = sharpest.max(bend.abs());
+            corrected = corrected.max(back.abs());
             longest = longest.max(along.abs());
         }
         let slope = if whole {
@@ -144,7 +146,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
                 let gains = (value * R::splat(GAIN)).lt((length * fall).abs());
                 R::bits(way.lt(R::splat(SETTLED_STEEP))) & !R::bits(gains)
             }
-            Merit::Near => R::bits(way.lt(R::splat(SETTLED_NEAR))),
+            Merit::Near => R::bits(way.max(corrected + corrected).lt(R::splat(SETTLED_NEAR))),
             _ => R::bits(way.lt(R::splat(SETTLED))),
         };
         memory.settled = memory.settled & !moving | settled & moving;
