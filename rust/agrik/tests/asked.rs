@@ -6,15 +6,14 @@ mod arms;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use agrik::call::{
-    Accept, Aim, Answers, Goals, Guard, Prefer, Request, Starts, Status, TOGETHER, Tolerance,
-    solve_at,
+    Accept, Answers, Goals, Guard, Prefer, Starts, Status, TOGETHER, Tolerance, solve_at,
 };
 use agrik::chain::Chain;
 use agrik::lanes::{Lanes, Level};
 use agrik::solve::Settings;
 use agrik::solvers::Solver;
 use agrik::task::Task;
-use arms::{arm, poses, postures};
+use arms::{ARMS, arm, points, poses, postures, request};
 
 /// Accepts about every third posture, and counts what it is asked.
 #[derive(Debug, Default)]
@@ -52,11 +51,11 @@ impl Accept for Picky {
 fn ask(
     level: Level,
     (chain, accept, prefer): (&Chain, &Picky, Prefer),
-    (poses, starts): (&[[f64; 16]], Starts<'_>),
+    (goals, starts): (Goals<'_>, Starts<'_>),
     first: usize,
 ) -> Answers {
-    let aim = Aim::new(chain, Task::Pose, Tolerance::default(), None).expect("in range");
-    let request = Request::new(chain, aim, Goals::Poses(poses), starts).expect("fits");
+    let task = if matches!(goals, Goals::Poses(_)) { Task::Pose } else { Task::Position };
+    let request = request(chain, task, Tolerance::default(), goals, starts);
     let request = request.with_seed(5, first as u64).with_guard(Guard { accept, prefer });
     // Few enough that some targets end refused, others with no end at all.
     let settings = Settings { max_restarts: 6, max_iterations: 12, ..Settings::default() };
@@ -74,34 +73,49 @@ fn bits(answers: &Answers, rows: std::ops::Range<usize>, dof: usize) -> Vec<Vec<
     rows.map(of).collect()
 }
 
+/// Holds all rows of a call against calls for some of them.
+fn compare_parts(level: Level, chain: &Chain, prefer: Prefer, goals: Goals<'_>, starts: &[f64]) {
+    let dof = chain.dof();
+    let accept = Picky { dof, ..Picky::default() };
+    let part = |first: usize, count: usize| {
+        let own = match starts {
+            [] => Starts::Free,
+            all => Starts::Each(&all[first * dof..(first + count) * dof]),
+        };
+        let goals = match goals {
+            Goals::Poses(poses) => Goals::Poses(&poses[first..first + count]),
+            Goals::Positions { points, direction } => {
+                Goals::Positions { points: &points[first..first + count], direction }
+            }
+        };
+        ask(level, (chain, &accept, prefer), (goals, own), first)
+    };
+    let all = part(0, 90);
+    let ended = |status| all.status.iter().filter(|s| **s == status as u8).count();
+    assert!(ended(Status::Converged) > 20 && ended(Status::InCollision) > 0);
+    for count in [1, 2, 9, 45] {
+        for first in (0..90).step_by(count) {
+            let same = bits(&part(first, count), 0..count, dof);
+            assert_eq!(same, bits(&all, first..first + count, dof), "{first} {count}");
+        }
+    }
+    for (q, status) in all.q.chunks(dof).zip(&all.status) {
+        assert!(*status != Status::Converged as u8 || accept.margin(q, 1.0) > 0.0);
+        assert!(*status != Status::InCollision as u8 || accept.margin(q, 1.0) <= 0.0);
+    }
+}
+
 #[test]
 fn what_others_are_asked_about_changes_no_answer() {
-    let chain = arm("redundant7");
-    let dof = chain.dof();
-    let (targets, starts) = (poses(&chain, 90, 1), postures(&chain, 90, 2));
-    for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
-        for (_, prefer) in Prefer::ALL {
-            for given in [false, true] {
-                let accept = Picky { dof, ..Picky::default() };
-                let part = |first: usize, count: usize| {
-                    let own = Starts::Each(&starts[first * dof..(first + count) * dof]);
-                    let own = if given { own } else { Starts::Free };
-                    let targets = &targets[first..first + count];
-                    ask(level, (&chain, &accept, prefer), (targets, own), first)
-                };
-                let all = part(0, 90);
-                let ended = |status| all.status.iter().filter(|s| **s == status as u8).count();
-                assert!(ended(Status::Converged) > 20 && ended(Status::InCollision) > 3);
-                for count in [1, 2, 9, 45] {
-                    for first in (0..90).step_by(count) {
-                        let same = bits(&part(first, count), 0..count, dof);
-                        assert_eq!(same, bits(&all, first..first + count, dof), "{first} {count}");
-                    }
-                }
-                for (q, status) in all.q.chunks(dof).zip(&all.status) {
-                    assert!(*status != Status::Converged as u8 || accept.margin(q, 1.0) > 0.0);
-                    assert!(*status != Status::InCollision as u8 || accept.margin(q, 1.0) <= 0.0);
-                }
+    for name in ARMS {
+        let chain = arm(name);
+        let (poses, starts) = (poses(&chain, 90, 1), postures(&chain, 90, 2));
+        let points = points(&poses);
+        for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+            for (_, prefer) in Prefer::ALL {
+                let places = Goals::Positions { points: &points, direction: None };
+                compare_parts(level, &chain, prefer, Goals::Poses(&poses), &[]);
+                compare_parts(level, &chain, prefer, places, &starts);
             }
         }
     }
@@ -113,7 +127,8 @@ fn a_batch_asks_about_many_postures_at_a_time() {
     let targets = poses(&chain, 600, 4);
     let accept = Picky { dof: chain.dof(), ..Picky::default() };
     let asked = (&chain, &accept, Prefer::First);
-    let answers = ask(Level::in_use(), asked, (&targets, Starts::Free), 0);
+    let goals = Goals::Poses(&targets);
+    let answers = ask(Level::in_use(), asked, (goals, Starts::Free), 0);
     assert!(answers.status.contains(&(Status::Converged as u8)));
     let questions = accept.questions.load(Ordering::Relaxed);
     let postures = accept.postures.load(Ordering::Relaxed);
