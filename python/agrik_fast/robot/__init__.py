@@ -25,6 +25,7 @@ from ._definition import (
 )
 from ._degrees import warn_of_degrees
 from ._dh_rows import CONVENTIONS, DhRow, read_table
+from ._every_branch import EveryBranch
 from ._inverse import PREFERENCES as PREFERENCES
 from ._inverse import InverseKinematics
 from ._inverse import Prefer as Prefer
@@ -67,6 +68,7 @@ def file_schema() -> dict[str, Any]:
 
 class Robot(
     InverseKinematics,
+    EveryBranch,
     JointTable,
     CollisionBodies,
     MotionLimits,

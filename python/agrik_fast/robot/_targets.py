@@ -16,7 +16,12 @@ from .. import _rotations
 from .._checks import FloatArray, float_array, shown, word
 from ..errors import ArgumentError
 
-__all__ = ["ORDERS", "Order", "as_targets"]
+__all__ = ["INVALID", "ORDERS", "Invalid", "Order", "as_targets"]
+
+Invalid: TypeAlias = Literal["mark", "raise", "straighten"]
+"""What becomes of poses that are no rigid transforms."""
+INVALID: tuple[Invalid, ...] = ("mark", "raise", "straighten")
+
 
 Order: TypeAlias = Literal["xyz_xyzw", "xyz_wxyz", "xyzw_xyz", "wxyz_xyz"]
 """Order of the seven numbers of a pose: the place, and the quaternion's x, y, z, w."""
