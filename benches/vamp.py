@@ -138,8 +138,8 @@ def points(vamp: Vamp) -> None:
         free = q[~collider.collides(q)]
         took = least(7, collider, free)
         print(
-            f"| {len(spheres)}{where} | {1e-6 / theirs:.2f} | {1e-6 / took:.2f} | {theirs / took:.2f} x |"
-            f" {len(blocks)}, {len(free)} |"
+            f"| {len(spheres)}{where} | {1e-6 / theirs:.2f} | {1e-6 / took:.2f} |"
+            f" {theirs / took:.2f} x | {len(blocks)}, {len(free)} |"
         )
 
 
