@@ -223,6 +223,8 @@ def test_tolerance_and_solver_are_passed_on(agrik_fast: RunCommand) -> None:
         (["tomato", "t.csv", "-o", "r.csv", "--task", "axis"], "`--direction`: expected one, as"),
         (["tomato", "t.csv", "-o", "r.csv", "--direction", "z"], "expected task 'axis'"),
         (["tomato", "t.csv", "-o", "r.csv", "--tol", "-1"], "`--tol`: expected a positive number"),
+        (["tomato", "t.csv", "-o", "r.csv", "--tol", "0"], "`--tol`: expected a positive number"),
+        (["tomato", "t.csv", "-o", "r.csv", "--tol-rad", "1,0,1"], "expected a positive number"),
         (["tomato", "t.csv", "-o", "r.csv", "--tol-rad", "nan"], "expected a positive number"),
         (["tomato", "t.csv", "-o", "r.doc"], "r.doc: unknown suffix '.doc', expected one of .csv"),
         (["tomato", "t.doc", "-o", "r.csv"], "t.doc: unknown suffix '.doc', expected one of .csv"),

@@ -127,10 +127,12 @@ def parse_tolerance(option: str, text: str) -> float | tuple[float, float, float
         numbers = [float(part) for part in text.split(",")]
     except ValueError:
         numbers = []
+    if len(numbers) not in (1, 3):
+        raise ArgumentError(option, repr(text), "one number, or three with commas between them")
+    if not all(x > 0 for x in numbers):
+        raise ArgumentError(option, repr(text), "a positive number, or three of them")
     if len(numbers) == 1:
         return numbers[0]
-    if len(numbers) != 3:
-        raise ArgumentError(option, repr(text), "one number, or three with commas between them")
     x, y, z = numbers
     return (x, y, z)
 

@@ -1,6 +1,6 @@
 //! Vectors of three numbers, each in every lane.
 
-use super::Real;
+use super::{Arithmetic, Real};
 
 /// Three lanes-wide components.
 ///
@@ -10,13 +10,13 @@ pub type V3<R> = [R; 3];
 
 /// `a . b`
 #[inline(always)]
-pub fn dot<R: Real>(a: V3<R>, b: V3<R>) -> R {
+pub fn dot<R: Arithmetic>(a: V3<R>, b: V3<R>) -> R {
     a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
 /// Length of a vector.
 #[inline(always)]
-pub fn norm<R: Real>(v: V3<R>) -> R {
+pub fn norm<R: Arithmetic>(v: V3<R>) -> R {
     dot(v, v).sqrt()
 }
 
@@ -69,7 +69,7 @@ pub fn select3<R: Real>(mask: R::Mask, a: V3<R>, b: V3<R>) -> V3<R> {
 
 /// `a - b`
 #[inline(always)]
-pub fn sub<R: Real>(a: V3<R>, b: V3<R>) -> V3<R> {
+pub fn sub<R: Arithmetic>(a: V3<R>, b: V3<R>) -> V3<R> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 

@@ -73,7 +73,7 @@ impl Collider {
         check_postures(self.bodies().chain(), q)?;
         let mut out = vec![false; q.len() / dof];
         // All questions at once, so that the first of them knows whether a field is worth it.
-        self.scene().view(out.len() / WIDEST);
+        self.scene().view(out.len().div_ceil(WIDEST));
         let work = |(q, out): (&[f64], &mut [bool])| {
             let mut room = self.sifted();
             for (q, out) in q.chunks(dof * WIDEST).zip(out.chunks_mut(WIDEST)) {

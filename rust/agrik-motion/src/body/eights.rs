@@ -70,11 +70,6 @@ pub(super) fn one<R: Real32>(x: f32) -> R {
 }
 
 #[inline(always)]
-pub(super) fn square<R: Real32>(v: &[R; 3]) -> R {
-    v[0].mul_add(v[0], v[1].mul_add(v[1], v[2] * v[2]))
-}
-
-#[inline(always)]
 pub(super) fn load<R: Real32>(at: &[Eight; 3]) -> [R; 3] {
     [R::load(&at[0]), R::load(&at[1]), R::load(&at[2])]
 }
@@ -84,11 +79,6 @@ pub(super) fn store<R: Real32>(from: [R; 3], to: &mut [Eight; 3]) {
     for (to, from) in to.iter_mut().zip(from) {
         from.store(to);
     }
-}
-
-#[inline(always)]
-pub(super) fn difference<R: Real32>(a: &[R; 3], b: &[R; 3]) -> [R; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// Frames as singles from an origin, before them the world's; the largest coordinate of an

@@ -12,12 +12,12 @@
 //! both rule out hits all along the way.
 
 use agrik::kinematics::FRAME;
-use agrik_compute::lanes::{Kernel32, Level, Real32, WIDEST, dispatch_eights, norm};
+use agrik_compute::lanes::{Kernel32, Level, Real32, WIDEST, dispatch_eights, dot, norm, sub};
 use agrik_solids::outline::{Block, Boxed, Outline, View, balls, roundings, single_above};
 use agrik_solids::{Exemption, Object, Point};
 
 use super::bodies::Mount;
-use super::eights::{Eight, Frame, difference, load, one, singles, square, store};
+use super::eights::{Eight, Frame, load, one, singles, store};
 use super::shape::{Body, Shape};
 
 /// Parts of a way that eight places cut it into.
@@ -206,7 +206,8 @@ fn spread<R: Real32>(p: &[R; 3]) -> R {
     let [x, y, z] = &rows;
     let before = [R::load(x), R::load(y), R::load(z)];
     let after = [R::load(&x[2..]), R::load(&y[2..]), R::load(&z[2..])];
-    let most = square(&difference(p, &before)).max(square(&difference(p, &after)));
+    let (before, after) = (sub(*p, before), sub(*p, after));
+    let most = dot(before, before).max(dot(after, after));
     most.sqrt() * R::splat(0.5)
 }
 
@@ -391,12 +392,12 @@ fn pairs<R: Real32>(
 ) -> u32 {
     let (a, b) = (&sieve.bodies[i], &sieve.bodies[j]);
     let own = one::<R>(more) + R::splat(question.own);
-    let apart = difference(&load::<R>(&room.centres[i]), &load(&room.centres[j]));
+    let apart = sub(load::<R>(&room.centres[i]), load(&room.centres[j]));
     let mut reach = one::<R>(a.ball[3] + b.ball[3]) + own;
     if let Some((moves, _)) = way {
         reach = reach + one(moves);
     }
-    let maybe = R::bits(square(&apart).le(reach * reach));
+    let maybe = R::bits(dot(apart, apart).le(reach * reach));
     if maybe == 0 {
         return 0;
     }

@@ -5,7 +5,7 @@
 //! that is larger than a reach rules out that they are within it. Directions along two edges are
 //! no longer than one, which makes gaps along them less and never more.
 
-use agrik_compute::lanes::Real32;
+use agrik_compute::lanes::{Real32, dot, sub};
 
 use super::{Kind, Outline, single_above, singles, splat};
 use crate::distance::norm;
@@ -52,16 +52,6 @@ impl Block {
     }
 }
 
-#[inline(always)]
-fn dot<R: Real32>(a: &[R; 3], b: &[R; 3]) -> R {
-    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
-}
-
-#[inline(always)]
-fn difference<R: Real32>(a: &[R; 3], b: &[R; 3]) -> [R; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
 /// The two axes after one.
 const NEXT: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 
@@ -81,14 +71,14 @@ impl<R: Real32> Boxed<R> {
     /// A vector by its parts along the axes.
     #[inline(always)]
     fn along(&self, v: &[R; 3]) -> [R; 3] {
-        [dot(v, &self.axes[0]), dot(v, &self.axes[1]), dot(v, &self.axes[2])]
+        [dot(*v, self.axes[0]), dot(*v, self.axes[1]), dot(*v, self.axes[2])]
     }
 
     /// Lanes, a bit each, in which another box may be within `reach` (m).
     #[inline(always)]
     pub fn maybe(&self, other: &Self, reach: R) -> u32 {
         let (h, g) = (&self.half, &other.half);
-        let way = difference(&other.centre, &self.centre);
+        let way = sub(other.centre, self.centre);
         let (t, u) = (self.along(&way), other.along(&way));
         let b = &other.axes;
         let c = [self.along(&b[0]), self.along(&b[1]), self.along(&b[2])];
@@ -131,7 +121,7 @@ impl Outline {
         let zero = R::splat(0.0);
         match &self.core {
             Kind::Point(point) => {
-                let t = boxed.along(&difference(&splat(*point), &boxed.centre));
+                let t = boxed.along(&sub(splat(*point), boxed.centre));
                 let mut square = zero;
                 for k in 0..3 {
                     let over = (t[k].abs() - h[k]).max(zero);
@@ -142,7 +132,7 @@ impl Outline {
             Kind::Segment { from, way, .. } => {
                 let half = way.map(|x| 0.5 * x);
                 let middle = [0, 1, 2].map(|k| from[k] + half[k]);
-                let t = boxed.along(&difference(&splat(middle), &boxed.centre));
+                let t = boxed.along(&sub(splat(middle), boxed.centre));
                 let w = boxed.along(&splat(half));
                 let length = norm(half.map(f64::from));
                 let (mut faces, mut edges) = (t[0].abs() - h[0] - w[0].abs(), zero - reach);
@@ -167,7 +157,7 @@ impl Outline {
                 let along = boxed.along(&n);
                 let low = along[0].abs().mul_add(h[0], along[1].abs() * h[1]);
                 let low = along[2].abs().mul_add(h[2], low);
-                let height = dot(&n, &boxed.centre) - low - R::splat(f64::from(*offset));
+                let height = dot(n, boxed.centre) - low - R::splat(f64::from(*offset));
                 R::bits(height.le(reach))
             }
         }

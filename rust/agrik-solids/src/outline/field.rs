@@ -2,8 +2,9 @@
 //!
 //! A cell holds how far it is from the nearest cell that a sphere has a part in, box to box.
 //! That is a sum over the axes, so three passes along them find it: the first counts cells from
-//! those that are taken, the others look at so many to either side. What is in the grid is seen from a point outside of it at no less than a right
-//! angle from the way to the point of the grid next to it: so squares of both ways add up.
+//! those that are taken, the others look at so many to either side. What is in the grid is seen
+//! from a point outside of it at no less than a right angle from the way to the point of the grid
+//! next to it: so squares of both ways add up.
 
 use agrik_compute::lanes::Real32;
 

@@ -107,8 +107,8 @@ impl Second {
         Self { posture: Some(own), ..self.clone() }
     }
 
-    /// What a joint value adds to the measure, and its first three derivatives; the less it adds the
-    /// better. Nothing where the measure is no sum over the joints.
+    /// What a joint value adds to the measure, and its first three derivatives; the less it adds
+    /// the better. Nothing where the measure is no sum over the joints.
     #[inline(always)]
     pub(crate) fn bends<R: Real>(&self, i: usize, q: R, about: R) -> Bends<R> {
         let (joint, weight) = (&self.joints[i], self.weights[i]);

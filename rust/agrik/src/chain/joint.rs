@@ -2,9 +2,16 @@
 
 use nalgebra::{IsometryMatrix3, Unit, Vector3};
 
+use crate::allowed::LARGEST;
+
 /// Limits this far out on both sides, and infinite ones, are how files say "no limit": a
 /// joint that turns between them turns freely.
 pub const UNLIMITED: f64 = 1e4;
+
+/// A value of a size that means something keeps these limits.
+pub fn hold_a_value(lower: f64, upper: f64) -> bool {
+    lower <= upper && lower <= LARGEST && -LARGEST <= upper
+}
 
 /// The value that answers stay near, for the caller's `about`: inside the limits, and of a joint
 /// that `turns` freely no farther from 0 than `most` where whole turns bring it nearer: the last

@@ -15,11 +15,11 @@ use nalgebra::{IsometryMatrix3, Matrix4};
 
 pub use compiled::{Compiled, Link, Tail, Twist};
 pub use dh::{DhConvention, DhRow};
-pub use joint::{Joint, JointKind, Mimic, MotionLimits, UNLIMITED, reference};
+pub use joint::{Joint, JointKind, Mimic, MotionLimits, UNLIMITED, hold_a_value, reference};
 pub use reach::Reach;
 pub use urdf::Ends;
 
-use crate::allowed::check_measures;
+use crate::allowed::{LARGEST, check_measures};
 use crate::error::{Error, Result};
 use memo::Memo;
 
@@ -248,6 +248,11 @@ fn check_joints(joints: &[Joint]) -> Result<()> {
         if bounded && joint.lower > joint.upper {
             let got = format!("lower {} > upper {}", joint.lower, joint.upper);
             return Err(Error::argument(place("limits"), "lower <= upper", got));
+        }
+        if bounded && !hold_a_value(joint.lower, joint.upper) {
+            let got = format!("[{:e}, {:e}]", joint.lower, joint.upper);
+            let expected = format!("a value of size {LARGEST:e} at most between them");
+            return Err(Error::argument(place("limits"), expected, got));
         }
         for (what, limit) in joint.motion.numbers() {
             if limit.is_nan() || limit <= 0.0 {

@@ -6,7 +6,7 @@
 use super::Settings;
 use super::plan::Plan;
 use crate::call::{AnswersMut, Outcome, Request, Solve, Status};
-use crate::chain::Variable;
+use crate::chain::{Variable, hold_a_value};
 use crate::error::{Error, Result};
 use crate::lanes::Level;
 
@@ -51,7 +51,7 @@ impl Solve for Limited<'_> {
         while let Some(rows) = next() {
             for mut row in rows.split(1) {
                 let limits = &self.limits[row.first * dof..][..dof];
-                if limits.iter().all(|[lower, upper]| lower <= upper) {
+                if limits.iter().all(|[lower, upper]| hold_a_value(*lower, *upper)) {
                     let plan = self.plan.within(limits);
                     let mut one = Some(row);
                     if !plan.run(level, &mut || one.take(), keep_going) {

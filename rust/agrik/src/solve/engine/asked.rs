@@ -63,10 +63,11 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
         aside.waiting.len() >= aside.most
     }
 
-    /// Some targets wait aside.
+    /// Some targets aside wait for an answer, or for a lane.
     #[inline(always)]
     pub(super) fn some_wait(&self) -> bool {
-        self.aside.as_ref().is_some_and(|aside| !aside.waiting.is_empty())
+        let waits = |aside: &Aside| !aside.waiting.is_empty() || !aside.ready.is_empty();
+        self.aside.as_deref().is_some_and(waits)
     }
 
     /// Gives an idle lane a target from aside that gets another attempt, if there is one.
@@ -98,7 +99,7 @@ impl<R: Real, T: Rows<R, M>, const M: usize, const WAY: u8> Engine<'_, R, T, M, 
     #[inline(never)]
     pub(super) fn ask(&mut self, runs: &mut Runs<'_>) {
         let Some(guard) = self.plan.request.guard() else { return };
-        let Some(mut aside) = self.aside.take() else { return };
+        let Some(mut aside) = self.aside.take_if(|aside| !aside.waiting.is_empty()) else { return };
         let dof = self.q.len();
         let accepted = guard.accept.accepts(&aside.q);
         for (i, place) in aside.waiting.drain(..).enumerate() {

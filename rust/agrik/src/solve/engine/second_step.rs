@@ -31,8 +31,8 @@ const CAREFUL: f64 = 0.2;
 const LAST: u32 = 8;
 const SHORTER: u32 = 12;
 /// A step along the measure below this is the last. Where the measure hardly bends along the way
-/// much may be left after a short one, which counts where answers are to be the nearest; the limits'
-/// measure is steep near them. Steps that a limit shortens are no end before `STUCK`.
+/// much may be left after a short one, which counts where answers are to be the nearest; the
+/// limits' measure is steep near them. Steps that a limit shortens are no end before `STUCK`.
 const SETTLED: f64 = 3e-4;
 const SETTLED_NEAR: f64 = 2e-5;
 const SETTLED_STEEP: f64 = 3e-6;
@@ -55,7 +55,7 @@ pub(super) struct Memory<R, const M: usize> {
     before: PerJoint<R>,
     before_q: PerJoint<R>,
     pub about: PerJoint<R>,
-    /// Of a curve: how it bends, the way back to it, what a joint does for the limits' sake, and
+    /// Of a curve: how it bends, the way back to it, one over what a joint moves along it, and
     /// the columns of the Jacobian as `J J^T` sees them.
     pub bend: PerJoint<R>,
     pub back: PerJoint<R>,
