@@ -359,6 +359,27 @@ def test_more_joints_than_a_point_needs() -> None:
     assert not four.ik_all(far).reached.any()
 
 
+@pytest.mark.parametrize(
+    ("name", "task"), [("ur5", "position"), ("panda", "position"), ("panda", None)]
+)
+def test_a_joint_held_unasked_proves_nothing_of_the_arm(name: str, task: str | None) -> None:
+    arm = ik.Robot.load(name)
+    poses = arm.fk(arm.random_q(300, seed=5))
+    found = arm.ik_all(poses, task=task)
+    none = ~found.valid.any(axis=1)
+    assert 20 < none.sum() < 280
+    assert (found.status[none] == Status.NOT_FOUND).all()
+    # Of what the bounds of the whole arm exclude the proof stands.
+    poses[:, 0, 3] += 9.0
+    assert (arm.ik_all(poses, task=task).status == Status.OUT_OF_REACH).all()
+    if task is None:
+        # At a place that was asked for, what is proven is proven of it.
+        locked = {str(arm.family.locked): 0.0}
+        assert (arm.ik_all(poses, locked=locked).status == Status.OUT_OF_REACH).all()
+        there = arm.ik_all(arm.fk(arm.random_q(300, seed=5)), locked=locked)
+        assert {Status.JOINT_LIMITS, Status.OUT_OF_REACH} <= set(there.status)
+
+
 def test_what_nothing_here_solves_says_so() -> None:
     arm = ik.Robot.load("strawberry")
     found = arm.ik_all(arm.fk(arm.random_q(2, seed=1)))

@@ -210,6 +210,9 @@ def test_joints_to_spare_behind_a_slide_leave_it_where_it_is() -> None:
         arm = arm_of("random", joints, rng, slide=True)
         q = np.c_[rng.uniform(-0.1, 0.15, 5), rng.uniform(-np.pi, np.pi, (5, joints))]
         asked = ik.tasks.Axis(tool_axis=(0, 0, 1)) if task == "axis" else task
+        # Where the slide is held unasked, that nothing is found proves nothing.
+        somewhere = arm.ik_all(arm.fk(q), task=asked)
+        assert set(somewhere.status) <= {Status.SINGULAR_FAMILY, Status.NOT_FOUND}
         found = arm.ik_all(arm.fk(q), task=asked, q0=q)
         assert (found.status == Status.SINGULAR_FAMILY).all()
         assert (found.free_joint == 0).all()

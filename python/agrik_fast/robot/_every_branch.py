@@ -121,7 +121,10 @@ class EveryBranch:
             neither; ``OVERDETERMINED`` where more is asked than there are joints for, with the
             nearest posture and what it leaves; ``UNSUPPORTED`` for arms that nothing here solves,
             such as those with slides between their joints. For spherical wrists and S-R-S arms
-            ``OUT_OF_REACH`` takes the limits into account. Warnings stand beside the status.
+            ``OUT_OF_REACH`` takes the limits into account. Where a joint stays that neither
+            `locked` nor `sweep` names, its place proves nothing of others: the status is
+            ``NOT_FOUND`` then, unless the bounds of the whole arm's reach exclude the target.
+            Warnings stand beside the status.
 
         Raises
         ------
