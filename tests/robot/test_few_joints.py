@@ -267,6 +267,26 @@ def test_statuses_of_few_joints() -> None:
     assert (wrapped.position_error == found.position_error).all()
 
 
+def test_proofs_hold_for_the_whole_of_three_tolerances() -> None:
+    """What is beyond the smallest number may be within the others."""
+    rng = np.random.default_rng(13)
+    arm = arm_of("random", 2, rng, slide=True)
+    q = np.c_[rng.uniform(-0.1, 0.15, 20), rng.uniform(-np.pi, np.pi, (20, 2))]
+    points = arm.fk(q)[:, :3, 3] + [0.0, 0.0, 0.3]
+    exact = arm.ik_all(points)
+    proven = exact.status == Status.OUT_OF_REACH
+    assert proven.sum() > 3
+    # The posture that made each is within these.
+    wide = arm.ik_all(points, position_tolerance=(1e-6, 1e-6, 0.31))
+    assert (wide.status[proven] == Status.NOT_FOUND).all()
+    four = arm_of("random", 4, rng)
+    far = four.fk(rng.uniform(-np.pi, np.pi, 4))
+    far[:3, 3] *= 4.0 * four.reach_radius / np.linalg.norm(far[:3, 3])
+    assert four.ik_all(far).status == Status.OUT_OF_REACH
+    much = four.ik_all(far, position_tolerance=(1e-6, 1e-6, 10.0 * four.reach_radius))
+    assert much.status == Status.OVERDETERMINED
+
+
 def test_one_target_many_and_any_number_of_threads_agree() -> None:
     rng = np.random.default_rng(9)
     for joints in (3, 4):
