@@ -81,7 +81,8 @@ class EveryBranch:
         threads : int, optional
             Number of threads, as for `ik`.
         arm_angle : array_like, shape broadcastable to (...), rad, optional
-            Arm angle of an S-R-S arm, see `arm_angle`. Default: that of `q0`, or 0.
+            Arm angle of an S-R-S arm, see `arm_angle`; for full poses. Default: that of `q0`,
+            or 0.
         position_tolerance, orientation_tolerance, tolerance_frame : optional
             As for `ik`. Branches of reachable targets come to rounding, so that these
             decide at the edge of the reach alone: a branch counts that is within the

@@ -66,9 +66,7 @@ fn at_values(
     let chain = request.chain();
     let free = chain.dof() - locks.len().min(chain.dof());
     if !request.task().fixes_pose() || free < 6 {
-        if locks.is_empty() && ClosedForm::of(chain).is_err() {
-            no_arm_angle(angle)?;
-        }
+        no_arm_angle(angle)?;
         return with_few_joints(request, locks, threads, poll);
     }
     let every = Every::of(chain);
@@ -177,7 +175,10 @@ fn rest_is_known(rest: &Chain) -> bool {
 fn no_arm_angle(angle: ArmAngle<'_>) -> Result<()> {
     match angle {
         ArmAngle::Free => Ok(()),
-        _ => Err(Error::argument("arm_angle", "none, as the arm is no S-R-S arm", "arm angles")),
+        _ => {
+            let expected = "none, but for full poses of S-R-S arms";
+            Err(Error::argument("arm_angle", expected, "arm angles"))
+        }
     }
 }
 
