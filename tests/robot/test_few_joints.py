@@ -318,9 +318,26 @@ def test_locked_joints_leave_few() -> None:
         assert least.position_error + least.orientation_error > 1e-3
         assert least.q[0, arm.joint_names.index(names[0])] == locked[names[0]]
     # Values at which the arm that is left has another number of branches.
-    values = np.array([0.0, 0.1, 0.2])
-    many = arm.ik_all(np.tile(pose, (3, 1, 1)), locked={arm.joint_names[0]: values})
-    assert many.q.shape[0] == 3
+    name, values = arm.joint_names[4], np.array([0.0, 0.1, 1.2])
+    postures = np.tile(q, (3, 1))
+    postures[:, 4] = values
+    poses = arm.fk(postures)
+    poses[0] = pose
+    many = arm.ik_all(poses, locked={name: values})
+    alone = [
+        arm.ik_all(one, locked={name: value}) for one, value in zip(poses, values, strict=True)
+    ]
+    assert [len(one.q) for one in alone] == [16, 8, 8]
+    assert many.q.shape == (3, 16, 6)
+    assert many.reached.any(axis=1).tolist() == [False, True, True]
+    for together, one in zip(many, alone, strict=True):
+        count = len(one.q)
+        assert (together.q[:count] == one.q).all()
+        assert (together.valid[:count] == one.valid).all()
+        assert (together.reached[:count] == one.reached).all()
+        assert not together.reached[count:].any()
+        for value in ("status", "free_joint", "orientation_error", "position_error"):
+            assert getattr(together, value) == getattr(one, value)
 
 
 def test_lengths_of_any_unit() -> None:
