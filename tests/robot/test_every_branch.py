@@ -380,6 +380,24 @@ def test_a_joint_held_unasked_proves_nothing_of_the_arm(name: str, task: str | N
         assert {Status.JOINT_LIMITS, Status.OUT_OF_REACH} <= set(there.status)
 
 
+def test_points_for_arms_with_a_closed_form() -> None:
+    """The joints that move the point least stay where they are; an arm angle is of no use."""
+    for name in ("puma560", "redundant7"):
+        arm = ik.Robot.load(name)
+        q = 0.5 * arm.random_q(50, seed=6)
+        poses = arm.fk(q)
+        found = arm.ik_all(poses[:, :3, 3], q0=q)
+        assert (found.status == Status.SINGULAR_FAMILY).all()
+        assert holds(found, q).all()
+        row, branch = np.nonzero(found.reached)
+        assert np.abs(arm.fk(found.q[row, branch])[:, :3, 3] - poses[row, :3, 3]).max() < 1e-9
+        assert (found.q == arm.ik_all(poses, q0=q, task="position").q).all()
+        assert (arm.ik_all(poses[7, :3, 3], q0=q[7]).q == found.q[7]).all()
+        for task in ("position", ik.tasks.Axis(tool_axis=(0, 0, 1))):
+            with pytest.raises(ArgumentError, match="arm_angle"):
+                arm.ik_all(poses, task=task, arm_angle=0.1)
+
+
 def test_five_joints_miss_a_pose_by_least_within_their_limits() -> None:
     inside = outside = 0
     for given in REFERENCE["axis_task_5R"].values():
