@@ -490,7 +490,11 @@ class Branches:
 
     @property
     def orientation_error(self) -> NDArray[np.float64]:
-        """Least angle left, rad, of targets that ask for more than the arm has joints for."""
+        """Least angle left, rad, of targets that ask for more than the arm has joints for.
+
+        Of ``OVERDETERMINED`` targets for arms of five joints it is the least among the branches
+        within the limits, or of all where none is; infinite where none reaches the point.
+        """
 
     @property
     def position_error(self) -> NDArray[np.float64]:
@@ -498,7 +502,8 @@ class Branches:
 
         Of ``OVERDETERMINED`` targets for arms of up to four joints that turn, angle and distance
         are those of the posture of least error within the limits, orientations counted as
-        `Robot.ik` does; it is ``q[..., 0, :]``. For arms of five the distance is 0.
+        `Robot.ik` does; it is ``q[..., 0, :]``. For arms of five the distance is that of rounding,
+        or infinite as the angle is.
         """
 
     def __len__(self) -> int:

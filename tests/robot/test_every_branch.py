@@ -359,6 +359,77 @@ def test_more_joints_than_a_point_needs() -> None:
     assert not four.ik_all(far).reached.any()
 
 
+@pytest.mark.parametrize(
+    ("name", "task"), [("ur5", "position"), ("panda", "position"), ("panda", None)]
+)
+def test_a_joint_held_unasked_proves_nothing_of_the_arm(name: str, task: str | None) -> None:
+    arm = ik.Robot.load(name)
+    poses = arm.fk(arm.random_q(300, seed=5))
+    found = arm.ik_all(poses, task=task)
+    none = ~found.valid.any(axis=1)
+    assert 20 < none.sum() < 280
+    assert (found.status[none] == Status.NOT_FOUND).all()
+    # Of what the bounds of the whole arm exclude the proof stands.
+    poses[:, 0, 3] += 9.0
+    assert (arm.ik_all(poses, task=task).status == Status.OUT_OF_REACH).all()
+    if task is None:
+        # At a place that was asked for, what is proven is proven of it.
+        locked = {str(arm.family.locked): 0.0}
+        assert (arm.ik_all(poses, locked=locked).status == Status.OUT_OF_REACH).all()
+        there = arm.ik_all(arm.fk(arm.random_q(300, seed=5)), locked=locked)
+        assert {Status.JOINT_LIMITS, Status.OUT_OF_REACH} <= set(there.status)
+
+
+def test_points_for_arms_with_a_closed_form() -> None:
+    """The joints that move the point least stay where they are; an arm angle is of no use."""
+    for name in ("puma560", "redundant7"):
+        arm = ik.Robot.load(name)
+        q = 0.5 * arm.random_q(50, seed=6)
+        poses = arm.fk(q)
+        found = arm.ik_all(poses[:, :3, 3], q0=q)
+        assert (found.status == Status.SINGULAR_FAMILY).all()
+        assert holds(found, q).all()
+        row, branch = np.nonzero(found.reached)
+        assert np.abs(arm.fk(found.q[row, branch])[:, :3, 3] - poses[row, :3, 3]).max() < 1e-9
+        assert (found.q == arm.ik_all(poses, q0=q, task="position").q).all()
+        assert (arm.ik_all(poses[7, :3, 3], q0=q[7]).q == found.q[7]).all()
+        for task in ("position", ik.tasks.Axis(tool_axis=(0, 0, 1))):
+            with pytest.raises(ArgumentError, match="arm_angle"):
+                arm.ik_all(poses, task=task, arm_angle=0.1)
+
+
+def test_five_joints_miss_a_pose_by_least_within_their_limits() -> None:
+    inside = outside = 0
+    for given in REFERENCE["axis_task_5R"].values():
+        arm = of_reference(given, 1.8)
+        q = np.random.default_rng(22).uniform(-1.8, 1.8, (60, 5))
+        poses = arm.fk(q) @ rotations.pose([0, 0, 0], rpy=[0.0, 0.0, 1.5])
+        much = arm.ik_all(poses)
+        assert set(much.status) <= {Status.OVERDETERMINED, Status.NOT_FOUND}
+        every = arm.ik_all(poses, orientation_tolerance=4.0)
+        for pose, one, all_of_it in zip(poses, much, every, strict=True):
+            if one.status == Status.NOT_FOUND:
+                continue
+            which = all_of_it.valid if all_of_it.valid.any() else all_of_it.reached
+            at = arm.fk(all_of_it.q[which])
+            cosine = 0.5 * (np.einsum("ij,kij->k", pose[:3, :3], at[:, :3, :3]) - 1.0)
+            angles = np.arccos(np.clip(cosine, -1.0, 1.0))
+            assert one.orientation_error == pytest.approx(angles.min(), abs=1e-6)
+            assert np.abs(one.q[0] - all_of_it.q[which][angles.argmin()]).max() < 1e-9
+            assert one.position_error < 1e-9
+            within = (np.abs(one.q[0]) <= 1.8).all()
+            assert within == all_of_it.valid.any()
+            inside += within and all_of_it.orientation_error < one.orientation_error - 1e-6
+            outside += not within
+    assert inside > 3
+    # Where nothing reaches the point, nothing is told of either.
+    poses[:, 0, 3] += 50.0
+    poses[0, 0, 0] = np.nan
+    nothing = arm.ik_all(poses)
+    assert np.isinf(nothing.orientation_error).all()
+    assert np.isinf(nothing.position_error).all()
+
+
 def test_what_nothing_here_solves_says_so() -> None:
     arm = ik.Robot.load("strawberry")
     found = arm.ik_all(arm.fk(arm.random_q(2, seed=1)))

@@ -210,6 +210,9 @@ def test_joints_to_spare_behind_a_slide_leave_it_where_it_is() -> None:
         arm = arm_of("random", joints, rng, slide=True)
         q = np.c_[rng.uniform(-0.1, 0.15, 5), rng.uniform(-np.pi, np.pi, (5, joints))]
         asked = ik.tasks.Axis(tool_axis=(0, 0, 1)) if task == "axis" else task
+        # Where the slide is held unasked, that nothing is found proves nothing.
+        somewhere = arm.ik_all(arm.fk(q), task=asked)
+        assert set(somewhere.status) <= {Status.SINGULAR_FAMILY, Status.NOT_FOUND}
         found = arm.ik_all(arm.fk(q), task=asked, q0=q)
         assert (found.status == Status.SINGULAR_FAMILY).all()
         assert (found.free_joint == 0).all()
@@ -264,6 +267,26 @@ def test_statuses_of_few_joints() -> None:
     assert (wrapped.position_error == found.position_error).all()
 
 
+def test_proofs_hold_for_the_whole_of_three_tolerances() -> None:
+    """What is beyond the smallest number may be within the others."""
+    rng = np.random.default_rng(13)
+    arm = arm_of("random", 2, rng, slide=True)
+    q = np.c_[rng.uniform(-0.1, 0.15, 20), rng.uniform(-np.pi, np.pi, (20, 2))]
+    points = arm.fk(q)[:, :3, 3] + [0.0, 0.0, 0.3]
+    exact = arm.ik_all(points)
+    proven = exact.status == Status.OUT_OF_REACH
+    assert proven.sum() > 3
+    # The posture that made each is within these.
+    wide = arm.ik_all(points, position_tolerance=(1e-6, 1e-6, 0.31))
+    assert (wide.status[proven] == Status.NOT_FOUND).all()
+    four = arm_of("random", 4, rng)
+    far = four.fk(rng.uniform(-np.pi, np.pi, 4))
+    far[:3, 3] *= 4.0 * four.reach_radius / np.linalg.norm(far[:3, 3])
+    assert four.ik_all(far).status == Status.OUT_OF_REACH
+    much = four.ik_all(far, position_tolerance=(1e-6, 1e-6, 10.0 * four.reach_radius))
+    assert much.status == Status.OVERDETERMINED
+
+
 def test_one_target_many_and_any_number_of_threads_agree() -> None:
     rng = np.random.default_rng(9)
     for joints in (3, 4):
@@ -295,9 +318,26 @@ def test_locked_joints_leave_few() -> None:
         assert least.position_error + least.orientation_error > 1e-3
         assert least.q[0, arm.joint_names.index(names[0])] == locked[names[0]]
     # Values at which the arm that is left has another number of branches.
-    values = np.array([0.0, 0.1, 0.2])
-    many = arm.ik_all(np.tile(pose, (3, 1, 1)), locked={arm.joint_names[0]: values})
-    assert many.q.shape[0] == 3
+    name, values = arm.joint_names[4], np.array([0.0, 0.1, 1.2])
+    postures = np.tile(q, (3, 1))
+    postures[:, 4] = values
+    poses = arm.fk(postures)
+    poses[0] = pose
+    many = arm.ik_all(poses, locked={name: values})
+    alone = [
+        arm.ik_all(one, locked={name: value}) for one, value in zip(poses, values, strict=True)
+    ]
+    assert [len(one.q) for one in alone] == [16, 8, 8]
+    assert many.q.shape == (3, 16, 6)
+    assert many.reached.any(axis=1).tolist() == [False, True, True]
+    for together, one in zip(many, alone, strict=True):
+        count = len(one.q)
+        assert (together.q[:count] == one.q).all()
+        assert (together.valid[:count] == one.valid).all()
+        assert (together.reached[:count] == one.reached).all()
+        assert not together.reached[count:].any()
+        for value in ("status", "free_joint", "orientation_error", "position_error"):
+            assert getattr(together, value) == getattr(one, value)
 
 
 def test_lengths_of_any_unit() -> None:

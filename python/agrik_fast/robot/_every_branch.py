@@ -81,7 +81,8 @@ class EveryBranch:
         threads : int, optional
             Number of threads, as for `ik`.
         arm_angle : array_like, shape broadcastable to (...), rad, optional
-            Arm angle of an S-R-S arm, see `arm_angle`. Default: that of `q0`, or 0.
+            Arm angle of an S-R-S arm, see `arm_angle`; for full poses. Default: that of `q0`,
+            or 0.
         position_tolerance, orientation_tolerance, tolerance_frame : optional
             As for `ik`. Branches of reachable targets come to rounding, so that these
             decide at the edge of the reach alone: a branch counts that is within the
@@ -121,7 +122,10 @@ class EveryBranch:
             neither; ``OVERDETERMINED`` where more is asked than there are joints for, with the
             nearest posture and what it leaves; ``UNSUPPORTED`` for arms that nothing here solves,
             such as those with slides between their joints. For spherical wrists and S-R-S arms
-            ``OUT_OF_REACH`` takes the limits into account. Warnings stand beside the status.
+            ``OUT_OF_REACH`` takes the limits into account. Where a joint stays that neither
+            `locked` nor `sweep` names, its place proves nothing of others: the status is
+            ``NOT_FOUND`` then, unless the bounds of the whole arm's reach exclude the target.
+            Warnings stand beside the status.
 
         Raises
         ------

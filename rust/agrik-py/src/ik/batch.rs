@@ -17,7 +17,7 @@ use super::locked::Locked;
 use super::second::nearness;
 use super::signals::Signals;
 use crate::collision::guard;
-use crate::convert::{self, Floats, shape_text};
+use crate::convert::{self, Floats};
 use crate::errors;
 use crate::result::{IkResult, Origin};
 use crate::solvers::solver::chosen;
@@ -121,11 +121,6 @@ fn branches_of<'py>(
     let request = call.request(py, chain, &mut points)?;
     let form = ClosedForm::of(chain).ok().filter(|form| !form.is_rough());
     let family = form.is_some() && request.task().fixes_pose();
-    if form.is_some() && !call.targets.are_poses() {
-        let expected = "shape (..., 4, 4): closed forms take poses";
-        let received = format!("shape {}", shape_text(&[leading, &[3]].concat()));
-        return Err(errors::argument(py, "targets", &received, expected));
-    }
     let locked = Locked::new(wishes.locked, chain, leading)?;
     let sweep = wishes
         .sweep

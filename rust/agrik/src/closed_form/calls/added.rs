@@ -1,5 +1,6 @@
 //! Arms of fewer joints than a pose needs: turns are added that the task does not ask for.
 
+use super::any_arm::representative;
 use crate::call::Request;
 use crate::closed_form::families::every::Every;
 use crate::closed_form::families::postures::Set;
@@ -25,6 +26,22 @@ pub struct Added {
     /// That of an axis alone: how the tool is turned about it does not count, and the last joint,
     /// which turns about it, is free.
     rolls: bool,
+}
+
+/// A posture at a goal's point, and what it misses the goal by, rad and m.
+#[derive(Clone, Copy)]
+pub struct Miss {
+    pub angle: f64,
+    pub distance: f64,
+    pub q: [f64; 6],
+}
+
+/// The postures that miss a goal's orientation by least.
+pub struct Least {
+    /// Of all; infinite where there is none.
+    pub all: Miss,
+    /// Of those within the limits.
+    pub within: Option<Miss>,
 }
 
 impl Added {
@@ -96,20 +113,20 @@ impl Added {
     }
 
     /// Leaves the joints that there are, of those postures that miss the goal's orientation by no
-    /// more than `allowed`, rad; an angle that nothing decides is taken from `near`. What the
-    /// nearest of all misses it by, rad, and that posture.
+    /// more than `allowed`, rad; an angle that nothing decides is taken from `near`.
     pub fn drop(
         &self,
         every: &Every,
         goal: &Rigid<f64>,
         (near, allowed): (&[f64; 6], f64),
         set: &mut Set,
-    ) -> (f64, [f64; 6]) {
+    ) -> Least {
         let given = *set;
         set.count = 0;
         let behind = given.free >> (6 - self.joints) & !((1 << self.at) - 1);
         set.free = (given.free & ((1 << self.at) - 1) | behind) & ((1 << self.joints) - 1);
-        let mut least = (f64::INFINITY, *near);
+        let nothing = Miss { angle: f64::INFINITY, distance: f64::INFINITY, q: *near };
+        let mut least = Least { all: nothing, within: None };
         for (q, singular) in given.postures().iter().zip(given.singular) {
             let mut q = self.gathered(q);
             if self.rolls {
@@ -121,8 +138,15 @@ impl Added {
             } else {
                 norm(rotation_between(at.axes, goal.axes))
             };
-            if left < least.0 {
-                least = (left, q);
+            let miss = Miss { angle: left, distance: norm(sub(at.shift, goal.shift)), q };
+            if left < least.all.angle {
+                least.all = miss;
+            }
+            if least.within.is_none_or(|known| left < known.angle) {
+                let mut each = every.limits.iter().zip(&q).zip(near);
+                if each.all(|((limit, x), near)| representative(limit, *x, *near).1) {
+                    least.within = Some(miss);
+                }
             }
             if !self.counts || left <= allowed {
                 set.add_with(&q, singular, 0);

@@ -76,6 +76,7 @@ impl<'a> AnyArm<'a> {
         branches.free = vec![-1; rows];
         if self.added.as_ref().is_some_and(|added| added.counts) {
             branches.left = vec![f64::INFINITY; rows];
+            branches.off = vec![f64::INFINITY; rows];
         }
         let level = Level::in_use();
         let work = |mut rows: BranchesMut<'_>| self.run(level, like, &mut rows);
@@ -102,23 +103,19 @@ impl<'a> AnyArm<'a> {
         self.solve_into(level, like, rows.first, rows.len(), &mut solved);
         let Solved { goals, near, sets, bad } = &mut solved;
         for i in 0..rows.len() {
-            let mut least = (f64::INFINITY, near[i]);
-            if let Some(added) = &self.added {
-                let allowed = self.request.tolerance().orientation;
-                let wish = (&near[i], allowed);
-                least = added.drop(self.every, &goals[i], wish, &mut sets[i]);
-                if let Some(left) = rows.left.get_mut(i) {
-                    *left = if bad[i] { f64::INFINITY } else { least.0 };
-                }
-            }
+            let least = self.added.as_ref().map(|added| {
+                let wish = (&near[i], self.request.tolerance().orientation);
+                added.drop(self.every, &goals[i], wish, &mut sets[i])
+            });
             self.write(rows, i, &sets[i], &near[i], bad[i]);
-            if !rows.left.is_empty()
-                && rows.status[i] == Status::NotFound as u8
-                && least.0.is_finite()
-            {
+            let Some(least) = least.filter(|_| !rows.left.is_empty() && !bad[i]) else { continue };
+            let mut told = least.all;
+            if rows.status[i] == Status::NotFound as u8 && told.angle.is_finite() {
+                told = least.within.unwrap_or(told);
                 rows.status[i] = Status::Overdetermined as u8;
-                self.write_nearest(rows, i, &least.1, &near[i]);
+                self.write_nearest(rows, i, &told.q, &near[i]);
             }
+            (rows.left[i], rows.off[i]) = (told.angle, told.distance);
         }
     }
 

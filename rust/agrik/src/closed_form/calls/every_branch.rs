@@ -14,14 +14,14 @@ use super::locked::{Lock, Values, all_locked};
 use super::query::Query;
 use super::wrap::wrapped;
 use crate::call::{Goals, Request, Starts, Status};
-use crate::chain::Chain;
+use crate::chain::{Chain, Reach};
 use crate::closed_form::branch::choice::Choice;
 use crate::closed_form::families::every::Every;
 use crate::closed_form::families::six::Way;
 use crate::closed_form::families::{ClosedForm, Lead};
 use crate::closed_form::geometry::limit::Limit;
 use crate::error::{Error, Result};
-use crate::task::Task;
+use crate::task::{Goal, Task};
 
 /// Most values of a sweep.
 pub const MOST_VALUES: usize = 100_000;
@@ -66,9 +66,7 @@ fn at_values(
     let chain = request.chain();
     let free = chain.dof() - locks.len().min(chain.dof());
     if !request.task().fixes_pose() || free < 6 {
-        if locks.is_empty() && ClosedForm::of(chain).is_err() {
-            no_arm_angle(angle)?;
-        }
+        no_arm_angle(angle)?;
         return with_few_joints(request, locks, threads, poll);
     }
     let every = Every::of(chain);
@@ -112,7 +110,13 @@ fn at_values(
                 }
                 _ => return unsupported(request),
             };
-            AnyArm { request: *request, every, lock, added: None }.solve(threads, poll)
+            let chosen = lock.is_some();
+            let arm = AnyArm { request: *request, every, lock, added: None };
+            let mut found = arm.solve(threads, poll)?;
+            if chosen {
+                without_proof(&mut found, request);
+            }
+            Ok(found)
         }
         [one] if is_elbow(chain, one.variable) => {
             let poses = super::locked::checked(request, locks)?;
@@ -171,7 +175,10 @@ fn rest_is_known(rest: &Chain) -> bool {
 fn no_arm_angle(angle: ArmAngle<'_>) -> Result<()> {
     match angle {
         ArmAngle::Free => Ok(()),
-        _ => Err(Error::argument("arm_angle", "none, as the arm is no S-R-S arm", "arm angles")),
+        _ => {
+            let expected = "none, but for full poses of S-R-S arms";
+            Err(Error::argument("arm_angle", expected, "arm angles"))
+        }
     }
 }
 
@@ -262,7 +269,7 @@ fn with_a_spare_slide(
     let values: Vec<f64> = (0..request.len()).map(of).collect();
     let locks = [Lock { variable: lead.variable(), values: Values::Each(&values) }];
     let mut found = with_few_joints(request, &locks, threads, poll)?;
-    said_to_be_free(&mut found, request.len(), lead.variable());
+    said_to_be_free(&mut found, request, lead.variable());
     Ok(Some(found))
 }
 
@@ -287,12 +294,15 @@ fn with_spare_joints(
         locks.push(Lock { variable: every.order[*k], values: Values::Each(all) });
     }
     let mut found = with_few_joints(request, &locks, threads, poll)?;
-    said_to_be_free(&mut found, request.len(), every.order[spare[0]]);
+    said_to_be_free(&mut found, request, every.order[spare[0]]);
     Ok(found)
 }
 
-/// Reached targets whose joint `variable` could be anywhere.
-fn said_to_be_free(found: &mut Branches, rows: usize, variable: usize) {
+/// Reached targets whose joint `variable` could be anywhere, and others that could be reached with
+/// it elsewhere.
+fn said_to_be_free(found: &mut Branches, request: &Request<'_>, variable: usize) {
+    let rows = request.len();
+    without_proof(found, request);
     found.warnings.resize(rows, 0);
     found.free.resize(rows, -1);
     for row in 0..rows {
@@ -305,7 +315,28 @@ fn said_to_be_free(found: &mut Branches, rows: usize, variable: usize) {
     }
 }
 
-/// Why all branches of an arm cannot be found, where they cannot.
+/// What is proven of an arm with a joint held where nobody asked for it is proven of that place
+/// alone: of the whole arm that its bounds exclude the target, if they do.
+fn without_proof(found: &mut Branches, request: &Request<'_>) {
+    let proofs = [Status::OutOfReach, Status::JointLimits, Status::Overdetermined];
+    let proofs = proofs.map(|status| status as u8);
+    if !found.status.iter().any(|status| proofs.contains(status)) {
+        return;
+    }
+    let chain = request.chain();
+    let reach = Reach::with_tail(chain.compiled(), chain.variables(), request.tail());
+    let most = request.tolerance().position;
+    for (row, status) in found.status.iter_mut().enumerate() {
+        let excluded = |goal: Goal<f64>| reach.excess(goal.position) > most;
+        if proofs.contains(status) && !request.goal(row).is_some_and(excluded) {
+            *status = Status::NotFound as u8;
+        }
+    }
+}
+
+/// Why the nearest posture is not looked for among all branches of an arm without a joint to
+/// spare. Not all that [`every`] finds branches of are meant: arms of few joints are searched from
+/// starts instead.
 pub fn reason(request: &Request<'_>) -> Option<String> {
     let every = match Every::of(request.chain()) {
         Ok(every) => every,

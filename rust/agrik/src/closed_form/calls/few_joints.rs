@@ -4,7 +4,7 @@
 use super::any_arm::representative;
 use super::branches::{Branches, BranchesMut};
 use super::warning;
-use crate::call::{Request, Status};
+use crate::call::{Request, Status, Tolerance};
 use crate::chain::Reach;
 use crate::closed_form::families::short::{Found, Lines, Posture, Room, Short, TURNING, Wish};
 use crate::closed_form::geometry::limit::{Limit, SLACK};
@@ -82,12 +82,14 @@ impl<'a> FewJoints<'a> {
                 _ => slide = limit,
             }
         }
-        let tolerance = request.tolerance().inner();
-        let turn = if wish == Wish::Point { 0.0 } else { per_radian * tolerance.orientation };
-        let allowed = tolerance.position.hypot(turn);
-        let most = allowed.min(EXACT * reach.size);
+        let allowed = |tolerance: Tolerance| {
+            let turn = if wish == Wish::Point { 0.0 } else { per_radian * tolerance.orientation };
+            tolerance.position.hypot(turn)
+        };
+        // Branches keep the smallest of three numbers, proofs hold for the whole of them.
+        let most = allowed(request.tolerance().inner()).min(EXACT * reach.size);
         let determined = joints == needed;
-        let wide = most < allowed;
+        let wide = most < allowed(request.tolerance());
         Some(Self { request, lines, short, reach, determined, limits, slide, most, wide })
     }
 
@@ -186,7 +188,7 @@ impl<'a> FewJoints<'a> {
             self.write(rows, i, &near, &least, met);
             rows.status[i] = if met {
                 Status::Converged
-            } else if self.reach.excess(goal.shift) > self.request.tolerance().inner().position {
+            } else if self.reach.excess(goal.shift) > self.request.tolerance().position {
                 Status::OutOfReach
             } else if !self.determined {
                 Status::Overdetermined

@@ -35,7 +35,7 @@ pub struct Query<'a> {
     pub(crate) proof: bool,
     /// Targets without a valid branch are looked at once more.
     pub(crate) last_search: bool,
-    /// All targets have solutions, so that there is no proof of the opposite.
+    /// No proof is looked for that targets without a branch have no solution.
     pub(crate) reached: bool,
 }
 

@@ -63,11 +63,6 @@ impl Set {
         more: false,
     };
 
-    /// The same.
-    pub fn new() -> Self {
-        Self::EMPTY
-    }
-
     /// The postures.
     pub fn postures(&self) -> &[[f64; 6]] {
         &self.q[..self.count]

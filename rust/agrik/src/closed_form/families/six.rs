@@ -154,7 +154,7 @@ impl Six {
             for (k, x) in other.iter_mut().enumerate() {
                 *x += if set.open >> k & 1 != 0 { turn } else { 0.0 };
             }
-            let mut found = [Set::new()];
+            let mut found = [Set::EMPTY];
             match &self.way {
                 Way::Meeting(arm) => arm.solve(level, &[*goal], &[other], &mut found),
                 Way::ThreeParallel(arm) => arm.solve(level, &[*goal], &[other], &mut found),

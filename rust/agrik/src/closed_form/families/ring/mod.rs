@@ -124,7 +124,7 @@ impl Ring {
             .collect();
         let mut work = Work::default();
         let [one, two] = [0, 1].map(|cut| {
-            let mut sets = vec![Set::new(); goals.len()];
+            let mut sets = vec![Set::EMPTY; goals.len()];
             self.run_cut(Level::in_use(), cut, (&goals, &[]), &mut sets, &mut work);
             sets
         });
@@ -177,7 +177,7 @@ impl Ring {
         let again: Vec<usize> = (0..sets.len()).filter(doubtful).collect();
         if !again.is_empty() {
             let chosen: Vec<Rigid<f64>> = again.iter().map(|i| scaled[*i]).collect();
-            let mut second = vec![Set::new(); again.len()];
+            let mut second = vec![Set::EMPTY; again.len()];
             self.run_cut(level, 1, (&chosen, &[]), &mut second, work);
             for (i, other) in again.iter().zip(&second) {
                 let set = &mut sets[*i];

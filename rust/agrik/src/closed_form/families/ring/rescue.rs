@@ -89,7 +89,7 @@ impl Ring {
             let Some(other) = Ring::new(&turned, Some(self)) else { continue };
             let seen = other.scaled(&wanted);
             for cut in 0..2 {
-                let mut found = [Set::new()];
+                let mut found = [Set::EMPTY];
                 other.run_cut(level, cut, (&[seen], &[]), &mut found, work);
                 if found[0].noise > NOISY {
                     continue;
@@ -127,7 +127,7 @@ impl Ring {
                 *x += ASIDE * w;
             }
             for cut in 0..2 {
-                let mut near = [Set::new()];
+                let mut near = [Set::EMPTY];
                 self.run_cut(level, cut, (&[aside], &[]), &mut near, work);
                 for q in near[0].postures() {
                     if let Some(q) = self.walked(q, goal) {

@@ -89,6 +89,7 @@ fn searches_find_what_many_starts_find() {
         let (short, mut goal) = arm(&mut random, 1 + case % TURNING, Wish::Pose, case % 3 == 0);
         let exact = short.exact(Level::in_use(), &goal, &Room::FREE, &[PI; TURNING], 1e-6);
         assert!(!exact.unproven && exact.free.is_none());
+        assert!(!exact.postures.is_empty());
         goal.shift = [goal.shift[0] + 0.2, goal.shift[1] - 0.1, goal.shift[2] + 0.3];
         let least = short.least(Level::in_use(), &goal, &Room::FREE, &[0.0; TURNING]);
         let none = short.exact(Level::in_use(), &goal, &Room::FREE, &[0.0; TURNING], 1e-6);
