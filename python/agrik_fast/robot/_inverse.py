@@ -161,9 +161,9 @@ class InverseKinematics:
         limits : array_like, shape (n, 2) or broadcastable to (..., n, 2), rad or m, optional
             Smallest and largest joint values of this call, or of each target, in place of the
             robot's; NaN keeps the robot's. A row whose lower limit is above the upper one is
-            ``Status.BAD_INPUT``. Those of each target cost little with the solvers that follow
-            the Jacobian, and about a millisecond a target with others, with `second_aim`,
-            `nearest` or in a scene.
+            ``Status.BAD_INPUT``. Those of each target cost little with "lm", "dls", "pinv",
+            "pinv-closed" and "transpose", and about a millisecond a target with others, with
+            `second_aim`, `nearest` or in a scene.
         base : array_like, shape broadcastable to (..., 4, 4), optional
             Where the arm's base stands for each target, in place of `Robot.base`, m.
         order : {"xyz_xyzw", "xyz_wxyz", "xyzw_xyz", "wxyz_xyz"}, optional
