@@ -7,6 +7,7 @@ import pytest
 
 import agrik_fast as ik
 from agrik_fast import Status
+from agrik_fast.collision import Scene
 from agrik_fast.errors import ArgumentError, UnknownNameError
 
 TREE = """<robot name="tree">
@@ -201,6 +202,20 @@ def test_limits_of_each_row_for_every_solver(solver):
         result = arm.ik(arm.fk(q), limits=limits, solver=solver, **wish)
         assert result.success.all()
         assert ((result.q >= limits[..., 0]) & (result.q <= limits[..., 1])).all()
+
+
+def test_a_scene_without_objects_is_a_wish_beside_limits_of_each_row():
+    arm = ik.Robot.load("panda")
+    q = arm.random_q(4, seed=3)
+    poses = arm.fk(q)
+    limits = np.stack([np.maximum(arm.lower, q - 0.6), np.minimum(arm.upper, q + 0.6)], axis=-1)
+    wish = {"scene": Scene(), "prefer": "clearance"}
+    result = arm.ik(poses, limits=limits, **wish)
+    assert result.success.any()
+    for row, pair in enumerate(limits):
+        alone = arm.with_limits(pair).ik(poses[row : row + 1], first_index=row, **wish)
+        assert np.array_equal(result.q[row], alone.q[0])
+        assert result.clearance[row] == alone.clearance[0]
 
 
 def test_a_joint_that_turns_freely_stays_between_limits_of_its_row():
