@@ -208,15 +208,18 @@ class InverseKinematics:
         if base is not None:
             targets = in_base(self._chain.base, targets, base)
         each: FloatArray | None = None
-        if limits is not None and in_the_core(solver, scene, second_aim, nearest):
+        table, rows = None, None
+        if limits is not None:
             table, rows = limits_of_rows(cast(JointLimits, self), targets, limits)
-            each = None if rows is None else table
-        if limits is not None and each is None:
+            if rows is not None and in_the_core(solver, scene, second_aim, nearest):
+                each = table
+        if table is not None and each is None:
             return with_limits_of_rows(
                 InverseKinematics.ik,
                 cast(JointLimits, self),
                 targets,
-                limits,
+                table,
+                rows,
                 task=task,
                 solver=solver,
                 q0=q0,

@@ -183,11 +183,11 @@ def with_limits_of_rows(
     solve: Callable[..., IkResult],
     arm: JointLimits,
     targets: ArrayLike,
-    limits: ArrayLike,
+    table: FloatArray,
+    leading: tuple[int, ...] | None,
     **options: Any,
 ) -> IkResult:
-    """Solve targets within limits of the call, or of each row, by `Robot.ik`."""
-    table, leading = limits_of_rows(arm, targets, limits)
+    """Solve targets within limits of the call, or of rows of a shape, by `Robot.ik`."""
     if leading is None:
         return solve(arm.with_limits(table), targets, **options)
     dof = len(arm.joint_names)
