@@ -161,9 +161,9 @@ class InverseKinematics:
         limits : array_like, shape (n, 2) or broadcastable to (..., n, 2), rad or m, optional
             Smallest and largest joint values of this call, or of each target, in place of the
             robot's; NaN keeps the robot's. A row whose lower limit is above the upper one is
-            ``Status.BAD_INPUT``. Those of each target cost little with the solvers that follow
-            the Jacobian, and about a millisecond a target with others, with `second_aim`,
-            `nearest` or in a scene.
+            ``Status.BAD_INPUT``. Those of each target cost little with "lm", "dls", "pinv",
+            "pinv-closed" and "transpose", and about a millisecond a target with others, with
+            `second_aim`, `nearest` or in a scene.
         base : array_like, shape broadcastable to (..., 4, 4), optional
             Where the arm's base stands for each target, in place of `Robot.base`, m.
         order : {"xyz_xyzw", "xyz_wxyz", "xyzw_xyz", "wxyz_xyz"}, optional
@@ -208,15 +208,18 @@ class InverseKinematics:
         if base is not None:
             targets = in_base(self._chain.base, targets, base)
         each: FloatArray | None = None
-        if limits is not None and in_the_core(solver, scene, second_aim, nearest):
+        table, rows = None, None
+        if limits is not None:
             table, rows = limits_of_rows(cast(JointLimits, self), targets, limits)
-            each = None if rows is None else table
-        if limits is not None and each is None:
+            if rows is not None and in_the_core(solver, scene, second_aim, nearest):
+                each = table
+        if table is not None and each is None:
             return with_limits_of_rows(
                 InverseKinematics.ik,
                 cast(JointLimits, self),
                 targets,
-                limits,
+                table,
+                rows,
                 task=task,
                 solver=solver,
                 q0=q0,

@@ -172,21 +172,22 @@ def limits_of_rows(
         raise ArgumentError("limits", f"shape {np.shape(limits)}", expected) from None
 
 
-def in_the_core(solver: object, *others: object) -> bool:
-    """Return whether limits of each row are left to the core: step solvers, and no other wish."""
+def in_the_core(solver: object, scene: object, second_aim: object, nearest: object) -> bool:
+    """Return whether limits of each row are left to the core: its solvers, and no other wish."""
     name = solver if isinstance(solver, str) else getattr(solver, "name", "")
-    return name in STEPS and not any(others)
+    # A scene without objects is false, and yet a wish: the arm's own bodies.
+    return name in STEPS and scene is None and second_aim is None and not nearest
 
 
 def with_limits_of_rows(
     solve: Callable[..., IkResult],
     arm: JointLimits,
     targets: ArrayLike,
-    limits: ArrayLike,
+    table: FloatArray,
+    leading: tuple[int, ...] | None,
     **options: Any,
 ) -> IkResult:
-    """Solve targets within limits of the call, or of each row, by `Robot.ik`."""
-    table, leading = limits_of_rows(arm, targets, limits)
+    """Solve targets within limits of the call, or of rows of a shape, by `Robot.ik`."""
     if leading is None:
         return solve(arm.with_limits(table), targets, **options)
     dof = len(arm.joint_names)
