@@ -395,3 +395,18 @@ def test_arms_that_hardly_move_and_arms_with_a_joint_too_many() -> None:
     assert "with the slide locked" in arm.family.reason
     with pytest.raises(ik.errors.ArgumentError, match="arm_angle"):
         still.ik_all(np.eye(4), arm_angle=0.1)
+
+
+@pytest.mark.parametrize("held", [[0], [1], [3], [0, 2]])
+def test_points_are_reached_by_the_joints_that_limits_let_move(held: list[int]) -> None:
+    rows = [[0, 1.57, 0.2, 0], [0.4, 0.3, 0, 0], [0.3, -1.2, 0.1, 0], [0.1, 0, 0.05, 0]]
+    rows = rows if len(held) == 1 else [*rows, [0.1, 0.4, 0.1, 0]]
+    limits = np.tile([-2.0, 2.0], (len(rows), 1))
+    limits[held] = 0.3
+    arm = Robot.from_dh(rows, limits=limits)
+    q = arm.random_q(5, seed=1)
+    found = arm.ik_all(arm.fk(q)[:, :3, 3])
+    assert (found.status == Status.CONVERGED).all()
+    assert (found.free_joint < 0).all()
+    same = (np.abs(found.q - q[:, None]).max(2) < 1e-6) & found.valid
+    assert same.any(1).all()

@@ -233,3 +233,31 @@ def test_a_joint_that_turns_freely_stays_between_limits_of_its_row():
     at = result.q[:45, 5]
     assert ((at >= limits[:45, 5, 0]) & (at <= limits[:45, 5, 1])).all()
     assert (abs(result.q[45:, 5]) <= np.pi + 1e-9).all()
+
+
+@pytest.mark.parametrize(
+    "bad", [(np.inf, np.inf), (-np.inf, -np.inf), (1e51, np.inf), (1e60, 2e60)]
+)
+    "bad", [(np.inf, np.inf), (-np.inf, -np.inf), (1e51, np.inf), (1e60, 2e60)]
+)
+@pytest.mark.parametrize("solver", ["lm", "broyden"])
+def test_limits_that_no_number_keeps_are_bad_input(bad, solver):
+    arm = ik.Robot.load("ur5")
+    poses = arm.fk(arm.random_q(3, seed=1))
+    table = np.stack([arm.lower, arm.upper], axis=1)
+    rows = np.tile(table, (3, 1, 1))
+    rows[1, 0] = bad
+    found = arm.ik(poses, limits=rows, solver=solver)
+    assert found.status[1] == Status.BAD_INPUT
+    assert np.isfinite(found.q).all()
+    assert found.success[[0, 2]].all() or solver == "broyden"
+    with pytest.raises(ArgumentError, match="limits"):
+        arm.ik(poses, limits=rows[1], solver=solver)
+    with pytest.raises(ArgumentError, match="limits"):
+        arm.with_limits(rows[1])
+
+
+def test_an_arm_behind_a_slide_says_what_to_lock():
+    arm = ik.Robot.load("cucumber")
+    with pytest.raises(ArgumentError, match=r"`locked`: expected a value of the slide 'd1'"):
+        arm.ik_all(arm.fk(arm.random_q(seed=1)))

@@ -202,14 +202,17 @@ def with_limits_of_rows(
     distinct, which = np.unique(table, axis=0, return_inverse=True)
     for number, pair in enumerate(distinct):
         rows = np.flatnonzero(which.reshape(-1) == number)
-        contradictory = bool((pair[:, 0] > pair[:, 1]).any())
-        solving = arm if contradictory else arm.with_limits(pair)
+        goal = goals
+        try:
+            solving = arm.with_limits(pair)
+        except ArgumentError:  # limits that no value keeps
+            solving, goal = arm, np.full_like(goals, np.nan)
         # Where rows do not follow one another each is a call of its own.
         runs = np.split(rows, np.flatnonzero(np.diff(rows) != 1) + 1)
         for run in runs:
             part = solve(
                 solving,
-                np.full_like(goals[run], np.nan) if contradictory else goals[run],
+                goal[run],
                 q0=None if q0 is None else q0[run],
                 first_index=first + int(run[0]),
                 **options,

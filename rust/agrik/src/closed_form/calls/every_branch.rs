@@ -85,12 +85,13 @@ fn at_values(
         [] => {
             let Ok(every) = every else {
                 // A slide at the base is a joint to lock, one inside is not.
-                return if Lead::of(chain)
-                    .is_ok_and(|lead| lead.way().is_some() && rest_is_known(lead.rest()))
-                {
-                    Query::new(*request, angle, Choice::default()).map(|_| Branches::default())
-                } else {
-                    unsupported(request)
+                return match Lead::of(chain) {
+                    Ok(lead) if lead.way().is_some() && rest_is_known(lead.rest()) => {
+                        let slide = &chain.variables()[lead.variable()].name;
+                        let expected = format!("a value of the slide '{slide}', or `sweep`");
+                        Err(Error::argument("locked", expected, "neither"))
+                    }
+                    _ => unsupported(request),
                 };
             };
             no_arm_angle(angle)?;
@@ -274,7 +275,8 @@ fn with_a_spare_slide(
 }
 
 /// A point for more than three joints: those that move it best are free, the others stay where
-/// the start values have them (else in the middle of their limits). Each of these turns freely.
+/// the start values have them (else in the middle of their limits). Each of these turns freely,
+/// but for those that their limits hold.
 fn with_spare_joints(
     request: &Request<'_>,
     every: &Every,
@@ -294,7 +296,10 @@ fn with_spare_joints(
         locks.push(Lock { variable: every.order[*k], values: Values::Each(all) });
     }
     let mut found = with_few_joints(request, &locks, threads, poll)?;
-    said_to_be_free(&mut found, request, every.order[spare[0]]);
+    let turns = |k: &&usize| every.limits[**k].lower < every.limits[**k].upper;
+    if let Some(free) = spare.iter().find(turns) {
+        said_to_be_free(&mut found, request, every.order[*free]);
+    }
     Ok(found)
 }
 

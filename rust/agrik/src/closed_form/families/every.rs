@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
 
 use super::six::{Six, Way};
-use crate::chain::Chain;
+use crate::chain::{Chain, Link};
 use crate::closed_form::geometry::limit::Limit;
 use crate::closed_form::geometry::rigid::Rigid;
 use crate::closed_form::geometry::screws::{Screw, Screws};
@@ -118,7 +118,7 @@ impl Every {
 }
 
 /// The three joints whose turns span the largest volume of the tool point's ways, summed over
-/// random postures; the first of several.
+/// random postures; the first of several. Joints that their limits hold move nothing.
 fn movers(chain: &Chain) -> [usize; 3] {
     let compiled = chain.compiled();
     let count = compiled.links.len();
@@ -129,10 +129,15 @@ fn movers(chain: &Chain) -> [usize; 3] {
         let q: Vec<f64> = (0..compiled.dof).map(|_| TAU * random.uniform() - PI).collect();
         forward(compiled, &q, &mut workspace);
         let tool = workspace.tool_point(compiled.tail.translation);
-        let axes = workspace.axes.iter();
-        ways.push(
-            axes.map(|axis| cross(axis.direction, sub(tool, axis.origin))).collect::<Vec<_>>(),
-        );
+        let moves = |link: &Link| {
+            let joint = &chain.variables()[link.variable];
+            if joint.lower < joint.upper { 1.0 } else { 0.0 }
+        };
+        let axes = workspace.axes.iter().zip(&compiled.links);
+        let ways_of = axes.map(|(axis, link)| {
+            cross(axis.direction, sub(tool, axis.origin)).map(|x| moves(link) * x)
+        });
+        ways.push(ways_of.collect::<Vec<_>>());
     }
     let mut best = ([0, 1, 2], 0.0);
     for a in 0..count {
