@@ -238,8 +238,6 @@ def test_a_joint_that_turns_freely_stays_between_limits_of_its_row():
 @pytest.mark.parametrize(
     "bad", [(np.inf, np.inf), (-np.inf, -np.inf), (1e51, np.inf), (1e60, 2e60)]
 )
-    "bad", [(np.inf, np.inf), (-np.inf, -np.inf), (1e51, np.inf), (1e60, 2e60)]
-)
 @pytest.mark.parametrize("solver", ["lm", "broyden"])
 def test_limits_that_no_number_keeps_are_bad_input(bad, solver):
     arm = ik.Robot.load("ur5")
