@@ -401,7 +401,7 @@ def test_points_for_arms_with_a_closed_form() -> None:
 def test_five_joints_miss_a_pose_by_least_within_their_limits() -> None:
     inside = outside = 0
     for given in REFERENCE["axis_task_5R"].values():
-        arm = of_reference(given, 1.8)
+        arm = of_reference(given, 1.5)
         q = np.random.default_rng(22).uniform(-1.8, 1.8, (60, 5))
         poses = arm.fk(q) @ rotations.pose([0, 0, 0], rpy=[0.0, 0.0, 1.5])
         much = arm.ik_all(poses)
@@ -417,11 +417,11 @@ def test_five_joints_miss_a_pose_by_least_within_their_limits() -> None:
             assert one.orientation_error == pytest.approx(angles.min(), abs=1e-6)
             assert np.abs(one.q[0] - all_of_it.q[which][angles.argmin()]).max() < 1e-9
             assert one.position_error < 1e-9
-            within = (np.abs(one.q[0]) <= 1.8).all()
+            within = (np.abs(one.q[0]) <= 1.5).all()
             assert within == all_of_it.valid.any()
             inside += within and all_of_it.orientation_error < one.orientation_error - 1e-6
             outside += not within
-    assert inside > 3
+    assert min(inside, outside) > 3
     # Where nothing reaches the point, nothing is told of either.
     poses[:, 0, 3] += 50.0
     poses[0, 0, 0] = np.nan
