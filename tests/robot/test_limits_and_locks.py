@@ -237,6 +237,23 @@ def test_a_scene_without_objects_is_a_wish_beside_limits_of_each_row():
         assert result.clearance[row] == alone.clearance[0]
 
 
+@pytest.mark.parametrize("name", ["panda", "iiwa14", "redundant7"])
+@pytest.mark.parametrize("held", [False, True])
+def test_answers_in_narrow_rows_keep_off_limits(name, held):
+    arm = ik.Robot.load(name)
+    q = arm.random_q(300, seed=3)
+    below, above = np.random.default_rng(1).uniform(0.0, 0.05, (2, *q.shape))
+    limits = np.stack([np.maximum(arm.lower, q - below), np.minimum(arm.upper, q + above)], -1)
+    if held:
+        limits[:, 0] = q[:, :1]
+    result = arm.ik(arm.fk(q), limits=limits)
+    assert result.success.all()
+    at = (result.q <= limits[..., 0]) | (result.q >= limits[..., 1])
+    at = at[:, held:].any(1)
+    # Left at their first answers, or sought from starts at these limits: 4 to 6 %, held 0.7 to 2.
+    assert at.mean() <= (0.004 if held else 0.03)
+
+
 def test_a_joint_that_turns_freely_stays_between_limits_of_its_row():
     arm = ik.Robot.load("ur5").with_limits({"wrist_3": (-np.inf, np.inf), "elbow": (-3.0, 3.0)})
     assert arm.joint_types[-1] == "continuous"
