@@ -41,6 +41,7 @@ __all__ = [
     "ik_paced",
     "ik_record",
     "ik_result",
+    "limited_solver_names",
     "motion_blockers",
     "motion_check",
     "motion_corners",
@@ -1583,6 +1584,9 @@ def check_solver(solver: object) -> None:
 
 def solver_names() -> list[str]:
     """Return the names of all solvers: step solvers, population solvers, the others."""
+
+def limited_solver_names() -> list[str]:
+    """Return the names of the solvers that take limits of each row."""
 
 def statuses() -> dict[str, int]:
     """Return the codes of `agrik_fast.Status` by their names in lower case, in order."""

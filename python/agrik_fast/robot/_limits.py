@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["JointLimits", "in_the_core", "limits_of_rows", "with_limits_of_rows"]
 
 #: Solvers to which the core gives limits of each row.
-STEPS = frozenset({"lm", "dls", "pinv", "pinv-closed", "transpose"})
+STEPS = frozenset(_native.limited_solver_names())
 
 
 class JointLimits:

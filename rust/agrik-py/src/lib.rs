@@ -61,7 +61,7 @@ mod _native {
     #[pymodule_export]
     use robot::chain::Chain;
     #[pymodule_export]
-    use solvers::solver::{check_solver, default_settings, solver_names};
+    use solvers::solver::{check_solver, default_settings, limited_solver_names, solver_names};
     #[pymodule_export]
     use solvers::tune::Tuner;
     #[pymodule_export]

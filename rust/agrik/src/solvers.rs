@@ -93,13 +93,23 @@ impl Solver {
         Ok(Call::Nearest(Box::new(Nearest::new(request, nearness, call)?)))
     }
 
-    /// A request to a step solver, whose rows have limits of their own; none for other solvers.
+    /// Rows may have limits of their own: solvers that follow the Jacobian.
+    pub fn takes_limits(&self) -> bool {
+        matches!(self, Self::Step(settings) if !settings.step.is_feedback())
+    }
+
+    /// A request whose rows have limits of their own; none for solvers without, and for wishes that
+    /// move answers on by the limits of the arm: second aims, and the most clearance.
     pub fn limited_call<'a>(
         &self,
         request: Request<'a>,
         limits: &'a [[f64; 2]],
     ) -> Result<Option<Call<'a>>> {
+        let climbs = request.guard().is_some_and(|guard| guard.prefer == Prefer::Clearance);
         let Self::Step(settings) = self else { return Ok(None) };
+        if !self.takes_limits() || climbs || request.second().is_some() {
+            return Ok(None);
+        }
         Ok(Some(Call::Limited(Box::new(Limited::new(request, settings.clone(), limits)?))))
     }
 

@@ -63,7 +63,7 @@ pub fn solve(
         (Some(_), Some(_)) => Ok(None),
     };
     let ready = ready.map_err(|error| errors::from_core(py, error))?.ok_or_else(|| {
-        let expected = "none, or a step solver without nearest=True";
+        let expected = "none, or a solver that takes them, with no wish beside";
         errors::argument(py, "limits", "limits of each row", expected)
     })?;
     let mut signals = Signals::new();

@@ -238,3 +238,10 @@ pub fn check_solver(solver: &Bound<'_, PyAny>) -> PyResult<()> {
 pub fn solver_names() -> Vec<&'static str> {
     Solver::names().collect()
 }
+
+/// Return the names of the solvers that take limits of each row.
+#[pyfunction]
+pub fn limited_solver_names() -> Vec<&'static str> {
+    let takes = |name: &&str| Solver::named(name).is_some_and(|solver| solver.takes_limits());
+    Solver::names().filter(takes).collect()
+}

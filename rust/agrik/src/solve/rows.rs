@@ -4,9 +4,10 @@ use smallvec::{SmallVec, smallvec};
 
 use super::Settings;
 use super::engine;
-use super::limit::wound;
+use super::limit::{limits, wound};
 use super::plan::Plan;
 use crate::call::{Answers, AnswersMut, Outcome, Solve, Status};
+use crate::chain::Variable;
 use crate::lanes::{Kernel, Level, Real, dispatch, dispatch_single};
 
 /// Up to this many targets are solved one after the other.
@@ -89,7 +90,10 @@ impl Plan<'_> {
 
     /// Looks for other solutions in place of answers with a joint exactly at a limit.
     fn leave_limits(&self, level: Level, rows: AnswersMut<'_>) {
-        if !(0..rows.len()).any(|i| self.stands_at_a_limit(&rows, i)) {
+        // Arms with a joint that their own limits hold keep the answers that they had.
+        let held = |v: &Variable| !self.limited && v.lower >= v.upper;
+        let held = self.request.chain().variables().iter().any(held);
+        if held || !(0..rows.len()).any(|i| self.stands_at_a_limit(&rows, i)) {
             return;
         }
         let mut single: SmallVec<[_; 1]> = match rows.len() {
@@ -117,6 +121,11 @@ impl Plan<'_> {
             if let Some(goal) = self.request.goal(row.first) {
                 let there = self.setup().at_point(goal);
                 self.sampler.sample(row.first, FAR + round, &there, start);
+            }
+            if self.limited {
+                // Starts of the arm's own limits, as those of attempts.
+                let joints = start.iter_mut().zip(limits(self)).zip(chain.variables());
+                joints.for_each(|((x, v), own)| *x = v.inside(*x, (own.lower, own.upper)));
             }
         }
         let chosen: Vec<usize> = rows.iter().map(|row| row.first).collect();
@@ -148,11 +157,12 @@ impl Plan<'_> {
         }
     }
 
-    /// Row `i` of a run has an answer with a joint exactly at a limit.
+    /// Row `i` of a run has an answer with a joint exactly at a limit; one that is held, its limits
+    /// being the same, cannot leave them.
     fn stands_at_a_limit(&self, rows: &AnswersMut<'_>, i: usize) -> bool {
         let at = |(i, x): (usize, &f64)| {
             let (lower, upper) = self.ends(i);
-            *x <= lower || upper <= *x
+            lower < upper && (*x <= lower || upper <= *x)
         };
         rows.ended(i, Status::Converged) && rows.q(i).iter().enumerate().any(at)
     }
