@@ -46,7 +46,8 @@ class Cluster(Processes):
         file = folder / "scheduler.json"
         words = ("--host", "127.0.0.1", "--port", 0, "--no-dashboard", "--scheduler-file", file)
         self.scheduler = self.start("-m", "distributed.cli.dask_scheduler", *words)
-        wait_for(file.exists)
+        # It is there before it is written.
+        wait_for(lambda: file.exists() and file.stat().st_size > 0)
         self.address = json.loads(file.read_text())["address"]
         for _ in range(workers):
             self.worker()
