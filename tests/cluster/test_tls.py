@@ -77,7 +77,8 @@ def address(
         file = folder / "scheduler.json"
         scheduler = ("--port", 0, "--scheduler-file", file)
         started.start("-m", "distributed.cli.dask_scheduler", *words, *scheduler)
-        wait_for(file.exists)
+        # It is there before it is written.
+        wait_for(lambda: file.exists() and file.stat().st_size > 0)
         found: str = json.loads(file.read_text())["address"]
         worker = ("--nthreads", 1, "--no-nanny", "--local-directory", folder / "dask")
         started.start("-m", "distributed.cli.dask_worker", found, *words, *worker)
