@@ -8,7 +8,8 @@ from ._adapters import LongFruit, from_boxes, from_masks, long_fruit
 from ._calibrate import Board, CameraCalibration, board_pose, calibrate
 from ._camera import Camera, looking_at
 from ._cone import Cone, cone_of_outline
-from ._detect import Detection, DetectionStatus, Detector, red_mask
+from ._detect import Detector
+from ._detection import Detection, DetectionStatus
 from ._errors import CalibrationRefusedError, CameraError, VisionFileError
 from ._hand_eye import CameraPose, eye_to_hand, hand_eye
 from ._images import Image
@@ -18,6 +19,7 @@ from ._pictures import DETECTION_COLUMNS, annotated, detection_row, write_image
 from ._plane import Plane, red_squares
 from ._random_scenes import KINDS, random_scene
 from ._range import Budget, StandOff, budget, range_sigma, stand_off
+from ._red import red_mask
 from ._render import FruitTruth, Rendering, render
 from ._scenes import Fruit, Leaf, Look, Patch, Scene, Wall, paper_camera
 from ._sources import Device, Frame, files, folder, folder_images, read_image, rendered

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks import FloatArray, float_array, real_number, truth_value
 from ..errors import ArgumentError
 from ._camera import Camera
-from ._detect import Detection, DetectionStatus, Detector
+from ._detect import Detector
+from ._detection import Detection, DetectionStatus
 from ._images import array_of, of_kind
 from ._obstacles import depth_of, points_of
 

@@ -1,10 +1,9 @@
-"""Ripe fruits in a picture: red blobs, the cones of their outlines, and how sure they are."""
+"""Ripe fruits in a picture: from red blobs to the cones of their outlines."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from enum import IntEnum
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,14 +15,12 @@ from ._camera import Camera
 from ._cluster import Outline, spheres_of
 from ._cone import Cone, along, best_cone
 from ._cv import opencv
+from ._detection import Detection, DetectionStatus
 from ._images import Image, checked_image, of_kind, same_size
+from ._red import red_mask
 from ._scenes import across, rim_of
 
-__all__ = ["Detection", "DetectionStatus", "Detector", "red_mask"]
-
-# ---- what is red: OpenCV's hue is 0 to 179 --------------------------------------------------
-_RED_BELOW, _RED_ABOVE = 10, 168
-_SATURATION, _VALUE = 90, 15
+__all__ = ["Detector"]
 
 _AREA = 60
 _MOST_BLOBS = 8
@@ -47,136 +44,6 @@ _ALL_RED = 0.96
 # A centre so far inside a better circle, by its radius, is no fruit. Nearer to its outline it may
 # be one that touches it, as exactly as both are seen.
 _NESTED = 0.9
-
-
-class DetectionStatus(IntEnum):
-    """How a detection may be used.
-
-    Examples
-    --------
-    >>> from agrik_fast.vision import DetectionStatus
-    >>> DetectionStatus.OK.name
-    'OK'
-    """
-
-    OK = 0
-    """Fit to approach."""
-
-    WEAK = 1
-    """Reported, never approached: too little outline, too little red, too small or not round."""
-
-    EDGE = 2
-    """The picture's border cuts it: the position holds, the size less so; not approached."""
-
-    NOT_FOUND = 3
-    """Nothing was found: what a tracker or a table says of a whole picture."""
-
-
-@dataclass(frozen=True)
-class Detection:
-    """A fruit that was found.
-
-    Attributes
-    ----------
-    status : DetectionStatus
-        Whether it may be approached.
-    kind : str
-        sphere, or spheroid for a flattened fruit.
-    axis : ndarray, shape (3,)
-        Unit vector towards its centre, in the camera's frame.
-    uv : ndarray, shape (2,), pixels
-        Where its centre is in the picture.
-    alpha : float, rad
-        Half angle in which it is seen.
-    radius_px : float, pixels
-        The same as a length, focal length times tan(alpha).
-    cover : float
-        Share of 36 sectors around the centre in which its outline was seen.
-    fill : float
-        Share of its disc that is red.
-    score : float
-        cover times the share of the outline that fits; larger is better.
-
-    Examples
-    --------
-    >>> from agrik_fast.vision import Detector, paper_camera, random_scene, render
-    >>> picture = render(random_scene("clean", seed=1))
-    >>> best = Detector(paper_camera()).detect(picture.image)[0]
-    >>> best.status.name, best.axis.shape
-    ('OK', (3,))
-    """
-
-    status: DetectionStatus
-    kind: str
-    axis: FloatArray
-    uv: FloatArray
-    alpha: float
-    radius_px: float
-    cover: float
-    fill: float
-    score: float
-
-    def distance(self, radius: float) -> float:
-        """Return how far its centre is, m, by a known radius (m): R / sin(alpha).
-
-        An error of the radius is passed on one to one: 5 % of R are 5 % of the distance.
-
-        Examples
-        --------
-        >>> from agrik_fast.vision import Detector, Fruit, Scene, paper_camera, render
-        >>> picture = render(Scene((Fruit((0, 0, 0.35), 0.03),)))
-        >>> best = Detector(paper_camera()).detect(picture.image)[0]
-        >>> abs(best.distance(0.03) - 0.35) < 0.02
-        True
-        """
-        return real_number("radius", radius, 0, open_low=True, unit="m") / math.sin(self.alpha)
-
-    def centre(self, radius: float) -> FloatArray:
-        """Return its centre, shape (3,), m, in the camera's frame, by a known radius (m).
-
-        Examples
-        --------
-        >>> from agrik_fast.vision import Detector, Fruit, Scene, paper_camera, render
-        >>> picture = render(Scene((Fruit((0, 0, 0.35), 0.03),)))
-        >>> best = Detector(paper_camera()).detect(picture.image)[0]
-        >>> bool(abs(best.centre(0.03)[2] - 0.35) < 0.02)
-        True
-        """
-        return self.distance(radius) * self.axis
-
-
-def red_mask(image: Image) -> NDArray[np.uint8]:
-    """Return where a picture is red, 255, and where not, 0.
-
-    Hue 0 to 10 or 168 to 179 of 180, saturation >= 90, value >= 15 after a 3 x 3 blur: the shaded
-    side of a fruit is dark, red soil is less saturated and more orange. Then small specks are
-    removed and small gaps closed.
-
-    Parameters
-    ----------
-    image : ndarray, shape (height, width, 3), uint8
-        Blue, green, red.
-
-    Examples
-    --------
-    >>> from agrik_fast.vision import random_scene, red_mask, render
-    >>> mask = red_mask(render(random_scene("clean", seed=1)).image)
-    >>> mask.shape, sorted(set(mask.ravel().tolist()))
-    ((240, 320), [0, 255])
-    """
-    cv2 = opencv()
-    image = checked_image("image", image)
-    hsv = cv2.cvtColor(cv2.GaussianBlur(image, (3, 3), 0), cv2.COLOR_BGR2HSV)
-    low = cv2.inRange(hsv, (0, _SATURATION, _VALUE), (_RED_BELOW, 255, 255))
-    high = cv2.inRange(hsv, (_RED_ABOVE, _SATURATION, _VALUE), (179, 255, 255))
-    mask = cv2.morphologyEx(low | high, cv2.MORPH_OPEN, _kernel(3))
-    closed: NDArray[np.uint8] = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _kernel(7))
-    return closed
-
-
-def _kernel(size: int) -> Any:
-    cv2 = opencv()
-    return cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
 
 
 class Detector:

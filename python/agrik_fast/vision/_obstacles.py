@@ -14,7 +14,7 @@ from .._checks import FloatArray, finite_array, float_array, items, real_number,
 from ..errors import ArgumentError
 from ._camera import Camera
 from ._cv import opencv
-from ._detect import Detection, DetectionStatus
+from ._detection import Detection, DetectionStatus
 from ._images import Image, array_of, checked_image, of_kind
 
 __all__ = ["Obstacle", "balls_that_cover", "fruit_radius", "green_masks", "obstacles"]

@@ -14,7 +14,7 @@ from .._checks import FloatArray, items
 from .._checks import path as checked_path
 from ._adapters import checked_boxes
 from ._camera import Camera
-from ._detect import Detection, DetectionStatus
+from ._detection import Detection, DetectionStatus
 from ._errors import VisionFileError
 from ._images import Image, of_kind
 from ._scenes import rim_of

@@ -11,7 +11,7 @@ from .._checks import items, real_number, text, whole_number
 from .._checks import path as checked_path
 from ._camera import Camera
 from ._cv import opencv
-from ._detect import Detection, DetectionStatus
+from ._detection import Detection, DetectionStatus
 from ._errors import VisionFileError
 from ._images import Image, checked_image, of_kind
 from ._scenes import rim_of

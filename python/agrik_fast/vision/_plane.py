@@ -11,9 +11,9 @@ from .._checks import FloatArray, float_array
 from ..errors import ArgumentError
 from ._camera import Camera
 from ._cv import opencv
-from ._detect import red_mask
 from ._errors import CalibrationRefusedError
 from ._images import Image, of_kind
+from ._red import red_mask
 
 __all__ = ["Plane", "red_squares"]
 

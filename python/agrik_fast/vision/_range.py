@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from .._checks import FloatArray, finite_array, real_number, truth_value
 from ..errors import ArgumentError
-from ._detect import Detection
+from ._detection import Detection
 from ._images import of_kind
 
 __all__ = ["Budget", "StandOff", "budget", "range_sigma", "stand_off"]
