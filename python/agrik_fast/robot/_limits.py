@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Self, cast
 
@@ -86,8 +87,9 @@ class JointLimits:
                 raise ArgumentError("limits", f"shape {given.shape}", expected)
             table = np.where(np.isnan(given), table, given)
         for name, (lower, upper) in zip(self.joint_names, table.tolist(), strict=True):
-            if lower > upper:
-                raise ArgumentError(f"limits[{name!r}]", f"({lower}, {upper})", "lower <= upper")
+            if lower > upper or (lower == upper and math.isinf(lower)):
+                expected = "lower <= upper, and a number that keeps both"
+                raise ArgumentError(f"limits[{name!r}]", f"({lower}, {upper})", expected)
         new = {
             name: (row[0], row[1])
             for name, row in zip(self.joint_names, table.tolist(), strict=True)
