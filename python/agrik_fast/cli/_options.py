@@ -10,6 +10,7 @@ import typer
 from ..errors import AgrikError, ArgumentError
 
 _ValueT = TypeVar("_ValueT")
+_ElseT = TypeVar("_ElseT")
 
 
 def robot_names(incomplete: str) -> list[str]:
@@ -80,6 +81,13 @@ class Faults:
         except AgrikError as error:
             self._found.append(error)
             return None
+
+    def given(
+        self, option: str, text: str | None, read: Callable[[str, str], _ValueT], default: _ElseT
+    ) -> _ValueT | _ElseT:
+        """Return the same, or a default instead of None."""
+        value = self.of(option, text, read)
+        return default if value is None else value
 
     def tell(self, more: Callable[[], Iterable[AgrikError]]) -> None:
         """Raise what was found, with what else is wrong; nothing where nothing was found.

@@ -129,8 +129,6 @@ def parse_tolerance(option: str, text: str) -> float | tuple[float, float, float
         numbers = []
     if len(numbers) not in (1, 3):
         raise ArgumentError(option, repr(text), "one number, or three with commas between them")
-    if not all(x > 0 for x in numbers):
-        raise ArgumentError(option, repr(text), "a positive number, or three of them")
     if len(numbers) == 1:
         return numbers[0]
     x, y, z = numbers
