@@ -24,13 +24,7 @@ app = typer.Typer(
 @job_command(app, "converged")
 def solve(
     robot: RobotOption,
-    task: Annotated[
-        str | None,
-        typer.Option(
-            help="position, pose, axis, masked or position-first; by default masked with --mask, "
-            "else pose if there are orientations."
-        ),
-    ] = None,
+    task: _options.Task = None,
     solver: Annotated[
         str,
         typer.Option(help="As of `agrik-fast solve`.", autocompletion=_options.solver_names),
@@ -44,9 +38,7 @@ def solve(
     tol_frame: Annotated[
         str | None, typer.Option(help="Whose axes three tolerances are for: base or tool.")
     ] = None,
-    tool_axis: Annotated[
-        str, typer.Option(help="Axis task: tool axis, such as z, -x or 0,0.6,0.8.")
-    ] = "z",
+    tool_axis: _options.ToolAxis = "z",
     direction: Annotated[
         str | None,
         typer.Option(help="Axis task: where the tool axis points, such as -z or 0,0,-1."),
@@ -55,18 +47,13 @@ def solve(
         str | None,
         typer.Option(help="Weights of the errors along and about x,y,z, such as 1,1,1,0,0,1."),
     ] = None,
-    mask_frame: Annotated[
-        str, typer.Option(help="Frame in which --mask counts: base or tool.")
-    ] = "base",
-    q0: Annotated[
-        str | None,
-        typer.Option("--q0", help="Start values in radians and metres, such as 0,-1.57,0."),
-    ] = None,
+    mask_frame: _options.MaskFrame = "base",
+    q0: _options.StartValues = None,
     base_link: _options.BaseLink = None,
     tip_link: _options.TipLink = None,
     tool: _options.Tool = None,
     frame: _options.Frame = None,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the restarts.")] = 0,
+    seed: _options.Seed = 0,
 ) -> Job:
     """Solve all targets of a folder of Parquet files, partition by partition.
 

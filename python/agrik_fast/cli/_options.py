@@ -56,6 +56,22 @@ Start = Annotated[
     typer.Option("--start", "--q0", help="Where ways start, radians and metres; by default home."),
 ]
 
+Task = Annotated[
+    str | None,
+    typer.Option(
+        help="position, pose, axis, masked or position-first; by default masked with --mask, "
+        "else pose if there are orientations."
+    ),
+]
+ToolAxis = Annotated[str, typer.Option(help="Axis task: tool axis, such as z, -x or 0,0.6,0.8.")]
+MaskFrame = Annotated[str, typer.Option(help="Frame in which --mask counts: base or tool.")]
+StartValues = Annotated[
+    str | None,
+    typer.Option("--q0", help="Start values in radians and metres, such as 0,-1.57,0."),
+]
+Seed = Annotated[int, typer.Option(min=0, help="Seed of the restarts.")]
+Threads = Annotated[int | None, typer.Option(min=1, help="Threads; by default all cores.")]
+
 # Why commands take no mask and no solver.
 NO_SOLVING = "nothing is solved here"
 BY_HARVEST = {

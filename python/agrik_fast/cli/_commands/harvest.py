@@ -40,9 +40,7 @@ def harvest(
         bool, typer.Option("--path", help="Plan the ways into the postures as well.")
     ] = False,
     start: _options.Start = None,
-    threads: Annotated[
-        int | None, typer.Option(min=1, help="Threads; by default all cores.")
-    ] = None,
+    threads: _options.Threads = None,
     force: Annotated[
         bool, typer.Option("--force", help="Write into a folder that holds files.")
     ] = False,

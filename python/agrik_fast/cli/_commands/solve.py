@@ -32,13 +32,7 @@ def solve(
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Results: .csv, .npy, .npz or .parquet.")
     ],
-    task: Annotated[
-        str | None,
-        typer.Option(
-            help="position, pose, axis, masked or position-first; by default masked with --mask, "
-            "else pose if there are orientations."
-        ),
-    ] = None,
+    task: _options.Task = None,
     solver: Annotated[
         str | None,
         typer.Option(  # its help is in SolveCommand
@@ -60,9 +54,7 @@ def solve(
         str | None,
         typer.Option(help="Whose axes three tolerances are for: base or tool; by default base."),
     ] = None,
-    tool_axis: Annotated[
-        str, typer.Option(help="Axis task: tool axis, such as z, -x or 0,0.6,0.8.")
-    ] = "z",
+    tool_axis: _options.ToolAxis = "z",
     direction: Annotated[
         str | None,
         typer.Option(
@@ -77,21 +69,14 @@ def solve(
             "1,1,1,0,0,1."
         ),
     ] = None,
-    mask_frame: Annotated[
-        str, typer.Option(help="Frame in which --mask counts: base or tool.")
-    ] = "base",
-    q0: Annotated[
-        str | None,
-        typer.Option("--q0", help="Start values in radians and metres, such as 0,-1.57,0."),
-    ] = None,
+    mask_frame: _options.MaskFrame = "base",
+    q0: _options.StartValues = None,
     base_link: _options.BaseLink = None,
     tip_link: _options.TipLink = None,
     tool: _options.Tool = None,
     frame: _options.Frame = None,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the restarts.")] = 0,
-    threads: Annotated[
-        int | None, typer.Option(min=1, help="Threads; by default all cores.")
-    ] = None,
+    seed: _options.Seed = 0,
+    threads: _options.Threads = None,
     scene: Annotated[
         Path | None,
         typer.Option(help="Scene that answers must not hit: a .json or .toml scene file."),

@@ -60,9 +60,7 @@ def tune(
     tip_link: _options.TipLink = None,
     tool: _options.Tool = None,
     frame: _options.Frame = None,
-    threads: Annotated[
-        int | None, typer.Option(min=1, help="Threads; by default all cores.")
-    ] = None,
+    threads: _options.Threads = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on from the checkpoint of a run that was killed.")
