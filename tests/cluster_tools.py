@@ -3,6 +3,7 @@
 import contextlib
 import hashlib
 import itertools
+import json
 import os
 import signal
 import subprocess
@@ -180,6 +181,13 @@ def wait_for(condition: Callable[[], object], timeout_s: float = 60.0, fail: boo
             assert not fail, "it did not come to pass"
             return
         time.sleep(0.02)
+
+
+def scheduler_address(file: Path) -> str:
+    """Return the address in a scheduler's file, which is there before it is written."""
+    wait_for(lambda: file.exists() and file.stat().st_size > 0)
+    address: str = json.loads(file.read_text())["address"]
+    return address
 
 
 @contextlib.contextmanager

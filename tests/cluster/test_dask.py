@@ -1,6 +1,5 @@
 """The same bytes from a Dask cluster, whoever is killed; collections and futures."""
 
-import json
 import os
 import signal
 import subprocess
@@ -22,6 +21,7 @@ from cluster_tools import (
     pose_table,
     processes,
     run_cluster,
+    scheduler_address,
     temporaries,
     wait_for,
     write_formula,
@@ -46,9 +46,7 @@ class Cluster(Processes):
         file = folder / "scheduler.json"
         words = ("--host", "127.0.0.1", "--port", 0, "--no-dashboard", "--scheduler-file", file)
         self.scheduler = self.start("-m", "distributed.cli.dask_scheduler", *words)
-        # It is there before it is written.
-        wait_for(lambda: file.exists() and file.stat().st_size > 0)
-        self.address = json.loads(file.read_text())["address"]
+        self.address = scheduler_address(file)
         for _ in range(workers):
             self.worker()
 

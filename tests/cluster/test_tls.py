@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import datetime
 import ipaddress
-import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,7 +15,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
 from agrik_fast import ArgumentError, cluster
-from cluster_tools import ROBOT, Processes, run_cluster, wait_for, write_formula
+from cluster_tools import ROBOT, Processes, run_cluster, scheduler_address, write_formula
 from cluster_tools import hashes as hashes_of
 
 pytestmark = [
@@ -77,9 +76,7 @@ def address(
         file = folder / "scheduler.json"
         scheduler = ("--port", 0, "--scheduler-file", file)
         started.start("-m", "distributed.cli.dask_scheduler", *words, *scheduler)
-        # It is there before it is written.
-        wait_for(lambda: file.exists() and file.stat().st_size > 0)
-        found: str = json.loads(file.read_text())["address"]
+        found = scheduler_address(file)
         worker = ("--nthreads", 1, "--no-nanny", "--local-directory", folder / "dask")
         started.start("-m", "distributed.cli.dask_worker", found, *words, *worker)
         yield found
