@@ -37,41 +37,9 @@ pub(super) fn solve_spd_for<R: Real, const M: usize, const K: usize>(
     mut b: [[R; M]; K],
     floor: R,
 ) -> [[R; M]; K] {
-    const { assert!(M <= 6, "`unrolled` counts to six") };
-    let mut inverse = [R::zero(); M];
-    unrolled!(j < M, {
-        inverse[j] = R::splat(1.0) / a[j][j].max(floor);
-        unrolled!(i < M, {
-            if j < i {
-                let l = a[i][j] * inverse[j];
-                unrolled!(k < M, {
-                    if j < k && k <= i {
-                        a[i][k] = l.neg_mul_add(a[k][j], a[i][k]);
-                    }
-                });
-            }
-        });
-        // Column j now holds L D; scaling it waits until no pivot needs it any more.
-        unrolled!(i < M, {
-            if j < i {
-                a[i][j] *= inverse[j];
-                for b in &mut b {
-                    b[i] = a[i][j].neg_mul_add(b[j], b[i]);
-                }
-            }
-        });
-    });
+    let factored = Factored::above(*a, floor);
     for b in &mut b {
-        unrolled!(j < M, {
-            b[j] *= inverse[j];
-        });
-        unrolled!(l < M, {
-            unrolled!(i < M, {
-                if i < M - 1 - l {
-                    b[i] = a[M - 1 - l][i].neg_mul_add(b[M - 1 - l], b[i]);
-                }
-            });
-        });
+        *b = factored.solve(*b);
     }
     b
 }
@@ -89,12 +57,18 @@ pub(super) struct Factored<R, const M: usize> {
 impl<R: Real, const M: usize> Factored<R, M> {
     /// Factors of a matrix whose lower triangle is given.
     #[inline(always)]
-    pub fn new(mut a: [[R; M]; M]) -> Self {
+    pub fn new(a: [[R; M]; M]) -> Self {
+        Self::above(a, R::splat(f64::MIN_POSITIVE))
+    }
+
+    /// The same, with pivots kept above `floor` where they divide.
+    #[inline(always)]
+    fn above(mut a: [[R; M]; M], floor: R) -> Self {
         const { assert!(M <= 6, "`unrolled` counts to six") };
         let (mut pivots, mut inverse) = ([R::zero(); M], [R::zero(); M]);
         unrolled!(j < M, {
             pivots[j] = a[j][j];
-            inverse[j] = R::splat(1.0) / a[j][j].max(R::splat(f64::MIN_POSITIVE));
+            inverse[j] = R::splat(1.0) / a[j][j].max(floor);
             unrolled!(i < M, {
                 if j < i {
                     let l = a[i][j] * inverse[j];
